@@ -1,0 +1,28 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// One iteration of cross-based cost aggregation (Žbontar & LeCun 2016, section 4.1): every cost is
+/// replaced by the mean, rounded to the nearest integer (halves up), over the combined support
+/// region of its two pixels.
+///
+/// The combined arm of hypothesis (x, y, d) is, in each of the four directions, the shorter of the
+/// arm at (x, y) in the reference image and the arm at (matchingColumn(view, x, d), y) in the other
+/// one. The region is the union of the combined horizontal arms of all pixels on the combined
+/// vertical arm. Hypotheses whose match lies outside of the other image are copied; a region never
+/// reaches such a hypothesis.
+///
+/// `costs` and `aggregated` are different volumes; `aggregated` is resized. Arms are CV_8UC4 from
+/// computeSupportArms, `reference_arms` of the image that `view` names. O(1) per hypothesis,
+/// whatever the arm length; parallel over rows by oneTBB; the result does not depend on the number
+/// of threads.
+void aggregateCosts(const OptimizedVolume& costs, const cv::Mat& reference_arms,
+                    const cv::Mat& other_arms, View view, const DisparityRange& range,
+                    OptimizedVolume& aggregated);
+
+}  // namespace cbmv

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/optimization/options.h"
+#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// The two images of a pair as semi-global matching sees them: CV_8UC1, same size, and the intensity
+/// step in grey levels from which on a step counts as an edge (tau_so times the image's standard
+/// deviation).
+struct EdgeImages {
+  cv::Mat reference;
+  cv::Mat other;
+  float reference_threshold_grey = 0;
+  float other_threshold_grey = 0;
+};
+
+/// One run of semi-global matching along four directions (Hirschmüller 2008 with the penalties of
+/// Žbontar & LeCun 2016, section 4.2).
+///
+/// Along the path r (from the left, right, above, below), with p the pixel and q = p − r,
+///   L_r(p, d) = C(p, d) − min_k L_r(q, k)
+///             + min{ L_r(q, d), L_r(q, d−1) + P1, L_r(q, d+1) + P1, min_k L_r(q, k) + P2 },
+/// and L_r = C at the first pixel of a path. P1 and P2 are `options.p1`, `options.p2` times 255,
+/// depending on the hypothesis: an edge in the reference image is |I(p) − I(q)| ≥ threshold, in the
+/// other image the same at the matching columns of p and q for disparity d (no edge where one of
+/// them lies outside). No edge: P1, P2; an edge in one image: both divided by q1; in both images: by
+/// q1·q2. On vertical paths P1 is divided by alpha1 on top. Penalties are rounded to the nearest
+/// integer.
+///
+/// `mean` becomes (L_left + L_right + L_above + L_below + 2) / 4. `costs` and `mean` are different
+/// volumes; `mean` is resized. Penalties and costs must satisfy
+/// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, or P1 > P2.
+/// Parallel by oneTBB; the result does not depend on the number of threads.
+void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
+                        const DisparityRange& range, const SgmOptions& options,
+                        OptimizedVolume& mean);
+
+/// Largest value of a cost after `iterations` runs on costs of at most 255, in units of 1/255: each
+/// run adds at most P2. Must stay ≤ 16383, so that four paths fit 16 bits.
+int sgmCostBound(const SgmOptions& options);
+
+}  // namespace cbmv

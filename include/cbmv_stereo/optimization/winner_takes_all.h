@@ -1,0 +1,16 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// Cheapest disparity of every pixel among the hypotheses whose match lies inside of the other
+/// image; the smallest such disparity on ties. `disparity` becomes CV_32FC1 of whole pixels;
+/// range.invalid() where no hypothesis has its match inside. Parallel over rows by oneTBB.
+void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRange& range,
+                    cv::Mat& disparity);
+
+}  // namespace cbmv

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+
+namespace cbmv {
+
+/// What the left-right check found at a pixel. Values of a CV_8UC1 label map.
+enum Label : std::uint8_t {
+  kMatch = 0,      ///< both views agree
+  kMismatch = 1,   ///< they disagree, but at another disparity they would agree
+  kOcclusion = 2,  ///< no disparity of the range makes them agree: seen by one camera only
+};
+
+/// Left-right check (Mei et al. 2011, section 2.4; Žbontar & LeCun 2016, section 4.3), for the left
+/// view. With D_L(x) = d: match if |d − D_R(x − d)| ≤ max_difference_px; else mismatch if
+/// |d' − D_R(x − d')| ≤ max_difference_px for another d' of the range; else occlusion. Columns are
+/// rounded to the nearest pixel; columns outside of the right image and invalid pixels agree with
+/// nothing. Both disparities are CV_32FC1 of the same size with range.invalid() as the invalid mark.
+/// `labels` becomes CV_8UC1 of Label. Parallel over rows by oneTBB.
+void leftRightCheck(const cv::Mat& left_disparity, const cv::Mat& right_disparity,
+                    const DisparityRange& range, float max_difference_px, cv::Mat& labels);
+
+}  // namespace cbmv

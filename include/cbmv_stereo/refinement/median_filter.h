@@ -1,0 +1,16 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+
+namespace cbmv {
+
+/// Median of the valid disparities in a size_px × size_px window (odd, at least 1; 1 copies). At
+/// the image border the window is cut off. With an even number of valid values, the lower of the two
+/// middle ones. Invalid pixels stay invalid. CV_32FC1; `filtered` may not be `disparity`. Parallel
+/// over rows by oneTBB.
+void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int size_px,
+                  cv::Mat& filtered);
+
+}  // namespace cbmv
