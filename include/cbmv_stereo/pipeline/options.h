@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "cbmv_stereo/optimization/options.h"
+#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/refinement/options.h"
+#include "cbmv_stereo/volume/disparity_range.h"
+
+namespace cbmv {
+
+/// Everything that can be set on the method. The defaults are the authors' Middlebury settings.
+/// parameters.h lists each field with its name, unit, range and description.
+struct StereoOptions {
+  DisparityRange range;
+  RectificationOptions rectification;
+  AggregationOptions aggregation;
+  SgmOptions sgm;
+  RefinementOptions refinement;
+  int threads = 0;  ///< 0: as many as the machine has
+};
+
+}  // namespace cbmv
