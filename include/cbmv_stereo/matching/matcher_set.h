@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/matching/census.h"
+#include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/ncc.h"
+#include "cbmv_stereo/matching/sobel_sad.h"
+#include "cbmv_stereo/matching/zero_mean_sad.h"
+
+namespace cbmv {
+
+/// The four matchers, in the order of their features.
+enum Matcher { kCensus, kNcc, kZeroMeanSad, kSobelSad };
+constexpr int kMatcherCount = 4;
+
+/// The matching costs of a row, one CostRow a matcher.
+using MatcherCosts = std::array<CostRow, kMatcherCount>;
+
+/// All matchers on one pair. `prepare` once a pair, then rows in any order from any thread.
+class MatcherSet {
+ public:
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    ZeroMeanSadMatcher::Scratch zero_mean_sad;
+    SobelSadMatcher::Scratch sobel_sad;
+  };
+
+  /// Both CV_8UC1 of the same size. Copies what it needs.
+  void prepare(const cv::Mat& left, const cv::Mat& right);
+
+  /// Costs of row y by every matcher.
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch, MatcherCosts& costs) const;
+
+ private:
+  cv::Mat padded_left_;
+  cv::Mat padded_right_;
+  CensusMatcher census_;
+  NccMatcher ncc_;
+  ZeroMeanSadMatcher zero_mean_sad_;
+  SobelSadMatcher sobel_sad_;
+};
+
+}  // namespace cbmv

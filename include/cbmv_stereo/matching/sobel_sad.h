@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/matching/cost_row.h"
+
+namespace cbmv {
+
+/// Sum of absolute differences of horizontal Sobel responses in a 5 × 5 window (Batsos et al. 2018,
+/// section 3.1). The response is the 3 × 3 kernel (−1 0 1; −2 0 2; −1 0 1), not scaled; costs are in
+/// [0, 51 000].
+class SobelSadMatcher {
+ public:
+  static constexpr int kWindowPx = 5;
+
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    std::vector<std::uint16_t> column_sums;
+  };
+
+  /// Prepares a pair. Both CV_8UC1, extended by padImage.
+  void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
+
+  /// Costs of row y.
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow& costs) const;
+
+ private:
+  cv::Mat left_responses_;   ///< CV_16SC1, padded
+  cv::Mat right_responses_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/confidence/features.h"
+#include "cbmv_stereo/volume/disparity_range.h"
+
+namespace cbmv {
+
+/// Labelled hypotheses: feature values (features.h) and whether the hypothesis is correct.
+struct Samples {
+  std::array<std::vector<float>, kFeatureCount> features;  ///< one column a feature
+  std::vector<std::uint8_t> labels;                        ///< 1 correct, 0 wrong
+  long count() const { return static_cast<long>(labels.size()); }
+};
+
+/// A rectified pair with the truth of its left view.
+struct TrainingPair {
+  cv::Mat left;   ///< CV_8UC1
+  cv::Mat right;  ///< CV_8UC1, rows aligned
+  cv::Mat truth;  ///< CV_32FC1, px; not finite = unknown
+  cv::Mat mask;   ///< CV_8UC1: 255 = may be sampled
+  DisparityRange range;
+};
+
+/// Draws up to `pixels` pixels of the pair, all equally likely, and appends for each (Batsos et al.
+/// 2018, section 3.3) the rounded true disparity as correct and two wrong disparities, one uniform
+/// in [min, truth − 1), one uniform in (truth + 1, max], as far as they exist and match inside of
+/// the right image. The same seed gives the same samples, whatever the number of threads.
+void appendSamples(const TrainingPair& pair, long pixels, std::uint64_t seed, Samples& samples);
+
+}  // namespace cbmv

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/forest/forest_evaluator.h"
+#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// Builds the matching volume of a pair: streams the image row by row through the four matchers, the
+/// bidirectional features and the forest. The 20 features of a row exist only while their row is
+/// processed; each thread has its own buffers, kept from frame to frame.
+class VolumeBuilder {
+ public:
+  VolumeBuilder();
+  ~VolumeBuilder();
+  VolumeBuilder(const VolumeBuilder&) = delete;
+  VolumeBuilder& operator=(const VolumeBuilder&) = delete;
+
+  /// `left` and `right` are CV_8UC1 of the same size. `volume` becomes the matching volume of the left
+  /// view (Batsos et al. 2018, section 3.3); hypotheses whose match lies outside of the right image
+  /// hold kOutsideCost. Parallel over rows by oneTBB.
+  void build(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+             const Forest& forest, const ForestEvaluator& evaluator, MatchingVolume& volume);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Turns the left view's volume into the right view's in place: right(x, d) = left(x + d, d) (Batsos
+/// et al. 2018, section 3.3); kOutsideCost where x + d lies outside of the left image.
+void shiftToRightView(const DisparityRange& range, MatchingVolume& volume);
+
+}  // namespace cbmv

@@ -1,0 +1,24 @@
+#include "cbmv_stereo/matching/matcher_set.h"
+
+#include "cbmv_stereo/matching/padded_image.h"
+
+namespace cbmv {
+
+void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right) {
+  padImage(left, padded_left_);
+  padImage(right, padded_right_);
+  census_.prepare(padded_left_, padded_right_);
+  ncc_.prepare(padded_left_, padded_right_);
+  zero_mean_sad_.prepare(padded_left_, padded_right_);
+  sobel_sad_.prepare(padded_left_, padded_right_);
+}
+
+void MatcherSet::computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                            MatcherCosts& costs) const {
+  census_.computeRow(y, range, costs[kCensus]);
+  ncc_.computeRow(y, range, costs[kNcc]);
+  zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs[kZeroMeanSad]);
+  sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs[kSobelSad]);
+}
+
+}  // namespace cbmv
