@@ -1,0 +1,35 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// Non-occlusion map from the true disparities of the left image alone (CV_32FC1, NaN or infinity =
+/// unknown): CV_8UC1, 255 where the disparity is known and both cameras see the point, else 0.
+///
+/// A pixel (x, d) lands at x − d in the right image. It is hidden when it lands more than half a
+/// column outside of that image, or when another pixel of its row with a disparity larger by more
+/// than 1 px lands less than one column away from it: a nearer surface covers it there. The margin
+/// of 1 px keeps slanted surfaces (up to 1/2 px of disparity a column) from hiding themselves.
+cv::Mat visibleInBoth(const cv::Mat& truth);
+
+/// Errors over the counted pixels; all zero when there are none.
+struct DisparityError {
+  double bad_05 = 0.0;      ///< percent of the counted pixels with |d − truth| > 0.5 px or no d
+  double bad_1 = 0.0;       ///< the same with 1 px
+  double bad_2 = 0.0;       ///< the same with 2 px
+  double bad_3 = 0.0;       ///< the same with 3 px
+  double bad_4 = 0.0;       ///< the same with 4 px
+  double average_px = 0.0;  ///< mean of |d − truth| where there is a disparity
+  double rms_px = 0.0;      ///< root of the mean of (d − truth)² where there is a disparity
+  double density = 0.0;     ///< percent of the counted pixels that have a disparity
+  long pixels = 0;          ///< counted pixels: finite truth and mask 255
+};
+
+/// Compares `disparity` with `truth` (both CV_32FC1) where `mask` (CV_8UC1) is 255 and the truth is
+/// finite. A pixel that is `invalid` or not finite has no disparity: it is bad at every threshold
+/// and left out of average and rms. Throws Error when the sizes or types differ from that.
+DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
+                                 const cv::Mat& mask, float invalid);
+
+}  // namespace cbmv

@@ -1,0 +1,137 @@
+#include "cbmv_stereo/evaluation/disparity_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kOccluderMargin = 1.0F;  // px of disparity
+constexpr float kOccluderReach = 1.0F;   // columns of the right image
+
+/// A pixel whose disparity is known and where it lands in the right image.
+struct Landing {
+  float column;
+  float disparity;
+  int x;
+};
+
+/// Those of one row, in the order of where they land.
+std::vector<Landing> landings(const cv::Mat& truth, int y) {
+  std::vector<Landing> row;
+  for (int x = 0; x < truth.cols; ++x) {
+    const float d = truth.at<float>(y, x);
+    if (std::isfinite(d)) {
+      row.push_back({static_cast<float>(x) - d, d, x});
+    }
+  }
+  std::sort(row.begin(), row.end(),
+            [](const Landing& a, const Landing& b) { return a.column < b.column; });
+  return row;
+}
+
+bool isHidden(const std::vector<Landing>& row, std::size_t i, int width) {
+  const Landing& pixel = row[i];
+  if (pixel.column < -0.5F || pixel.column > static_cast<float>(width) - 0.5F) {
+    return true;
+  }
+  const auto near = [&](std::size_t j) {
+    return std::abs(row[j].column - pixel.column) < kOccluderReach;
+  };
+  std::size_t j = i;
+  while (j > 0 && near(j - 1)) {
+    --j;
+  }
+  for (; j < row.size() && near(j); ++j) {
+    if (row[j].disparity > pixel.disparity + kOccluderMargin) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double percent(long part, long whole) {
+  return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void checkInput(const cv::Mat& map, const char* name, int type, const cv::Size& size) {
+  if (map.type() != type || map.size() != size) {
+    throw Error(std::string("Cannot evaluate a disparity map: ") + name +
+                " must have the size of the disparity map and the type " +
+                (type == CV_8UC1 ? "CV_8UC1." : "CV_32FC1."));
+  }
+}
+
+/// Sums over the counted pixels.
+struct ErrorSums {
+  static constexpr std::array<float, 5> kThresholds = {0.5F, 1.0F, 2.0F, 3.0F, 4.0F};  // px
+  std::array<long, 5> bad = {};
+  long pixels = 0;
+  long dense = 0;
+  double absolute = 0.0;
+  double squared = 0.0;
+
+  void add(float disparity, float truth, float invalid) {
+    const bool valid = disparity != invalid && std::isfinite(disparity);
+    const float error = std::abs(disparity - truth);
+    for (std::size_t t = 0; t < bad.size(); ++t) {
+      bad[t] += !valid || error > kThresholds[t] ? 1 : 0;
+    }
+    ++pixels;
+    if (valid) {
+      ++dense;
+      absolute += error;
+      squared += static_cast<double>(error) * error;
+    }
+  }
+};
+
+}  // namespace
+
+cv::Mat visibleInBoth(const cv::Mat& truth) {
+  CV_Assert(truth.type() == CV_32FC1);
+  cv::Mat visible(truth.size(), CV_8UC1, cv::Scalar(0));
+  for (int y = 0; y < truth.rows; ++y) {
+    const std::vector<Landing> row = landings(truth, y);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      visible.at<uchar>(y, row[i].x) = isHidden(row, i, truth.cols) ? 0 : 255;
+    }
+  }
+  return visible;
+}
+
+DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
+                                 const cv::Mat& mask, float invalid) {
+  checkInput(disparity, "disparity", CV_32FC1, disparity.size());
+  checkInput(truth, "truth", CV_32FC1, disparity.size());
+  checkInput(mask, "mask", CV_8UC1, disparity.size());
+  ErrorSums sums;
+  for (int y = 0; y < truth.rows; ++y) {
+    for (int x = 0; x < truth.cols; ++x) {
+      const float expected = truth.at<float>(y, x);
+      if (mask.at<uchar>(y, x) == 255 && std::isfinite(expected)) {
+        sums.add(disparity.at<float>(y, x), expected, invalid);
+      }
+    }
+  }
+  DisparityError error;
+  error.bad_05 = percent(sums.bad[0], sums.pixels);
+  error.bad_1 = percent(sums.bad[1], sums.pixels);
+  error.bad_2 = percent(sums.bad[2], sums.pixels);
+  error.bad_3 = percent(sums.bad[3], sums.pixels);
+  error.bad_4 = percent(sums.bad[4], sums.pixels);
+  error.density = percent(sums.dense, sums.pixels);
+  error.pixels = sums.pixels;
+  if (sums.dense > 0) {
+    error.average_px = sums.absolute / static_cast<double>(sums.dense);
+    error.rms_px = std::sqrt(sums.squared / static_cast<double>(sums.dense));
+  }
+  return error;
+}
+
+}  // namespace cbmv

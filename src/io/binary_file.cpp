@@ -1,0 +1,35 @@
+#include "binary_file.h"
+
+#include <filesystem>
+#include <locale>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+
+std::ifstream openForReading(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw Error("Cannot read " + path + ": no such file.");
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw Error("Cannot read " + path + ": it is not a file.");
+  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    throw Error("Cannot read " + path + ": opening it failed, its permissions must allow reading.");
+  }
+  in.imbue(std::locale::classic());
+  return in;
+}
+
+void writeFile(const std::string& path, const std::string& content) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  out.close();
+  if (!out) {
+    throw Error("Cannot write " + path + ": the folder must exist, allow writing and have room.");
+  }
+}
+
+}  // namespace cbmv

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+namespace cbmv {
+
+/// Opens a regular file for reading, numbers in the "C" locale. Throws Error naming it otherwise.
+std::ifstream openForReading(const std::string& path);
+
+/// Replaces the file's content. Throws Error naming the file when it cannot be written.
+void writeFile(const std::string& path, const std::string& content);
+
+inline void appendLittleEndian(float value, std::string& bytes) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  for (int shift = 0; shift < 32; shift += 8) {
+    bytes.push_back(static_cast<char>((bits >> shift) & 0xFFU));
+  }
+}
+
+inline float floatFromBytes(const std::uint8_t* bytes, bool little_endian) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 4; ++i) {
+    bits |= static_cast<std::uint32_t>(bytes[i]) << (little_endian ? 8 * i : 24 - 8 * i);
+  }
+  float value = 0.0F;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+}  // namespace cbmv

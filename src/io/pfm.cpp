@@ -1,0 +1,91 @@
+#include "cbmv_stereo/io/pfm.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "binary_file.h"
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr long long kMaxSide = 65535;
+
+struct PfmHeader {
+  int width;
+  int height;
+  bool little_endian;
+};
+
+/// Leaves `in` at the first value. One white-space character ends the header.
+PfmHeader readHeader(std::ifstream& in, const std::string& path) {
+  char magic[2] = {};
+  in.read(magic, 2);
+  if (!in || magic[0] != 'P' || magic[1] != 'f') {
+    throw Error("Cannot read " + path + ": it is not a grey portable float map, which begins " +
+                "with \"Pf\".");
+  }
+  long long width = 0;
+  long long height = 0;
+  double scale = 0.0;
+  in >> width >> height >> scale;
+  in.get();
+  if (!in || scale == 0.0) {
+    throw Error("Cannot read " + path + ": its header must hold width, height and a scale other " +
+                "than 0 after \"Pf\".");
+  }
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    throw Error("Cannot read " + path + ": its header says " + std::to_string(width) + "x" +
+                std::to_string(height) + " pixels, but sides must be 1 to 65535.");
+  }
+  return {static_cast<int>(width), static_cast<int>(height), scale < 0.0};
+}
+
+void checkFileSize(const std::string& path, const PfmHeader& header, std::uintmax_t header_bytes) {
+  const std::uintmax_t expected = header_bytes + std::uintmax_t{4} *
+                                                     static_cast<std::uintmax_t>(header.width) *
+                                                     static_cast<std::uintmax_t>(header.height);
+  const std::uintmax_t actual = std::filesystem::file_size(path);
+  if (actual != expected) {
+    throw Error("Cannot read " + path + ": it has " + std::to_string(actual) + " bytes, but a " +
+                std::to_string(header.width) + "x" + std::to_string(header.height) +
+                " map with its header has " + std::to_string(expected) + ".");
+  }
+}
+
+}  // namespace
+
+cv::Mat readPfm(const std::string& path) {
+  std::ifstream in = openForReading(path);
+  const PfmHeader header = readHeader(in, path);
+  checkFileSize(path, header, static_cast<std::uintmax_t>(in.tellg()));
+  cv::Mat map(header.height, header.width, CV_32FC1);
+  std::vector<std::uint8_t> bytes(std::size_t{4} * static_cast<std::size_t>(header.width));
+  for (int y = header.height - 1; y >= 0; --y) {
+    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    for (int x = 0; x < header.width; ++x) {
+      map.at<float>(y, x) = floatFromBytes(&bytes[std::size_t{4} * x], header.little_endian);
+    }
+  }
+  if (!in) {
+    throw Error("Cannot read " + path + ": reading its values failed.");
+  }
+  return map;
+}
+
+void writePfm(const std::string& path, const cv::Mat& map) {
+  CV_Assert(map.type() == CV_32FC1);
+  std::string content =
+      "Pf\n" + std::to_string(map.cols) + " " + std::to_string(map.rows) + "\n-1.0\n";
+  content.reserve(content.size() + 4 * map.total());
+  for (int y = map.rows - 1; y >= 0; --y) {
+    for (int x = 0; x < map.cols; ++x) {
+      appendLittleEndian(map.at<float>(y, x), content);
+    }
+  }
+  writeFile(path, content);
+}
+
+}  // namespace cbmv

@@ -1,0 +1,154 @@
+#include "cbmv_stereo/evaluation/disparity_error.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kInvalid = -1.0F;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+TEST(VisibleInBoth, FollowsTheDefinitionOnRandomMaps) {
+  cv::RNG rng(11);
+  for (const cv::Size size : {cv::Size(61, 9), cv::Size(1, 5), cv::Size(37, 1)}) {
+    cv::Mat truth(size, CV_32FC1);
+    rng.fill(truth, cv::RNG::UNIFORM, -4, 12);
+    truth.at<float>(0, 0) = kUnknown;
+    truth.at<float>(size.height - 1, size.width - 1) = std::numeric_limits<float>::infinity();
+    const cv::Mat visible = visibleInBoth(truth);
+    ASSERT_EQ(visible.type(), CV_8UC1);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const float d = truth.at<float>(y, x);
+        const float column = static_cast<float>(x) - d;
+        bool expected = std::isfinite(d) && column >= -0.5F && column <= size.width - 0.5F;
+        for (int other = 0; other < size.width; ++other) {
+          const float nearer = truth.at<float>(y, other);
+          expected = expected && !(std::isfinite(nearer) && nearer > d + 1.0F &&
+                                   std::abs(static_cast<float>(other) - nearer - column) < 1.0F);
+        }
+        ASSERT_EQ(visible.at<uchar>(y, x), expected ? 255 : 0) << x << ' ' << y;
+      }
+    }
+  }
+}
+
+TEST(VisibleInBoth, AStepHidesAsManyColumnsAsItIsHigh) {
+  cv::Mat truth(3, 40, CV_32FC1, cv::Scalar(2));
+  truth.colRange(20, 40) = 8.0F;
+  const cv::Mat visible = visibleInBoth(truth);
+  for (int x = 0; x < 40; ++x) {
+    EXPECT_EQ(visible.at<uchar>(1, x), x < 2 || (x >= 14 && x < 20) ? 0 : 255) << x;
+  }
+}
+
+TEST(VisibleInBoth, ASlantedPlaneDoesNotHideItself) {
+  cv::Mat truth(1, 60, CV_32FC1);
+  for (int x = 0; x < 60; ++x) {
+    truth.at<float>(0, x) = 0.45F * static_cast<float>(x);
+  }
+  EXPECT_EQ(cv::countNonZero(visibleInBoth(truth)), 60);
+}
+
+/// Straight from the definitions, in double precision.
+DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const cv::Mat& mask) {
+  DisparityError e;
+  double valid = 0;
+  for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
+    const int y = i / truth.cols;
+    const int x = i % truth.cols;
+    const double t = truth.at<float>(y, x);
+    const double d = disparity.at<float>(y, x);
+    if (mask.at<uchar>(y, x) != 255 || !std::isfinite(t)) {
+      continue;
+    }
+    const bool has = std::isfinite(d) && d != kInvalid;
+    const double error = has ? std::abs(d - t) : 1e9;
+    e.pixels += 1;
+    e.bad_05 += error > 0.5 ? 100 : 0;
+    e.bad_1 += error > 1 ? 100 : 0;
+    e.bad_2 += error > 2 ? 100 : 0;
+    e.bad_3 += error > 3 ? 100 : 0;
+    e.bad_4 += error > 4 ? 100 : 0;
+    e.density += has ? 100 : 0;
+    e.average_px += has ? error : 0;
+    e.rms_px += has ? error * error : 0;
+    valid += has ? 1 : 0;
+  }
+  for (double* value : {&e.bad_05, &e.bad_1, &e.bad_2, &e.bad_3, &e.bad_4, &e.density}) {
+    *value /= static_cast<double>(e.pixels);
+  }
+  e.average_px /= valid;
+  e.rms_px = std::sqrt(e.rms_px / valid);
+  return e;
+}
+
+void expectEqual(const DisparityError& a, const DisparityError& b) {
+  EXPECT_EQ(a.pixels, b.pixels);
+  EXPECT_NEAR(a.bad_05, b.bad_05, 1e-9);
+  EXPECT_NEAR(a.bad_1, b.bad_1, 1e-9);
+  EXPECT_NEAR(a.bad_2, b.bad_2, 1e-9);
+  EXPECT_NEAR(a.bad_3, b.bad_3, 1e-9);
+  EXPECT_NEAR(a.bad_4, b.bad_4, 1e-9);
+  EXPECT_NEAR(a.density, b.density, 1e-9);
+  EXPECT_NEAR(a.average_px, b.average_px, 1e-5);  // differences are taken in single precision
+  EXPECT_NEAR(a.rms_px, b.rms_px, 1e-5);
+}
+
+TEST(EvaluateDisparity, AgreesWithTheDefinitions) {
+  cv::RNG rng(3);
+  for (const cv::Size size : {cv::Size(53, 31), cv::Size(1, 47), cv::Size(47, 1)}) {
+    cv::Mat disparity(size, CV_32FC1);
+    cv::Mat truth(size, CV_32FC1);
+    cv::Mat mask(size, CV_8UC1);
+    rng.fill(disparity, cv::RNG::UNIFORM, 0, 8);
+    rng.fill(truth, cv::RNG::UNIFORM, 0, 8);
+    for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
+      mask.at<uchar>(i / size.width, i % size.width) = i % 4 == 0 ? 128 : 255;
+      truth.at<float>(i / size.width, i % size.width) *= i % 7 == 0 ? kUnknown : 1.0F;
+      if (i % 5 == 0) {
+        disparity.at<float>(i / size.width, i % size.width) = i % 2 == 0 ? kInvalid : kUnknown;
+      }
+    }
+    expectEqual(evaluateDisparity(disparity, truth, mask, kInvalid),
+                reference(disparity, truth, mask));
+  }
+}
+
+TEST(EvaluateDisparity, AnErrorOfTheThresholdIsNotBad) {
+  const cv::Mat truth = cv::Mat::zeros(1, 4, CV_32FC1);
+  const cv::Mat disparity = (cv::Mat_<float>(1, 4) << 0.5F, 1.0F, 2.0F, 4.0F);
+  const cv::Mat mask(1, 4, CV_8UC1, cv::Scalar(255));
+  const DisparityError error = evaluateDisparity(disparity, truth, mask, kInvalid);
+  EXPECT_EQ(error.bad_05, 75.0);
+  EXPECT_EQ(error.bad_1, 50.0);
+  EXPECT_EQ(error.bad_2, 25.0);
+  EXPECT_EQ(error.bad_4, 0.0);
+}
+
+TEST(EvaluateDisparity, NothingCountedIsAllZero) {
+  const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
+  const DisparityError error = evaluateDisparity(map, map, cv::Mat::zeros(3, 3, CV_8UC1), kInvalid);
+  EXPECT_EQ(error.pixels, 0);
+  EXPECT_EQ(error.bad_1, 0.0);
+  EXPECT_EQ(error.density, 0.0);
+  EXPECT_EQ(error.rms_px, 0.0);
+}
+
+TEST(EvaluateDisparity, RefusesOtherSizesAndTypes) {
+  const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
+  const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
+  EXPECT_THROW(evaluateDisparity(map, map.rowRange(0, 2), mask, kInvalid), Error);
+  EXPECT_THROW(evaluateDisparity(map, map, mask.colRange(0, 2), kInvalid), Error);
+  EXPECT_THROW(evaluateDisparity(map, mask, mask, kInvalid), Error);
+  EXPECT_THROW(evaluateDisparity(map, map, map, kInvalid), Error);
+  EXPECT_THROW(evaluateDisparity(mask, map, mask, kInvalid), Error);
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,115 @@
+#include "cbmv_stereo/io/middlebury_scene.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "support/error_text.h"
+#include "support/temporary_folder.h"
+
+#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/pfm.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A scene of 4x2 pixels, the mask 255 everywhere but at (0, 1): 128.
+class MiddleburyScene : public testing::Test {
+ protected:
+  MiddleburyScene() {
+    std::filesystem::create_directory(scene_);
+    cv::Mat color(2, 4, CV_8UC3, cv::Scalar(10, 20, 30));
+    cv::Mat mask(2, 4, CV_8UC1, cv::Scalar(255));
+    mask.at<uchar>(0, 1) = 128;
+    writeImage(scene_ + "/im0.png", color);
+    writeImage(scene_ + "/im1.png", color);
+    writePfm(scene_ + "/disp0GT.pfm", truth_);
+    writeImage(scene_ + "/mask0nocc.png", mask);
+    writeMiddleburyCalibration(scene_ + "/calib.txt", {500, 2, 2, 1, 0.1, 4, 2, 3});
+  }
+
+  const cv::Mat truth_ = (cv::Mat_<float>(2, 4) << 0, 0, kInfinity, 0, 0, 1, 0, 0);
+  const TemporaryFolder folder_;
+  const std::string scene_ = folder_.file("Scene");
+};
+
+TEST_F(MiddleburyScene, ReadsAllParts) {
+  for (const std::string& path : {scene_, scene_ + "/", scene_ + "/."}) {
+    const StereoScene scene = readMiddleburyScene(path);
+    EXPECT_EQ(scene.name, "Scene");
+    EXPECT_EQ(scene.left.type(), CV_8UC1);
+    EXPECT_EQ(scene.right.type(), CV_8UC1);
+    EXPECT_EQ(scene.left.at<uchar>(1, 3), cvRound(0.114 * 10 + 0.587 * 20 + 0.299 * 30));
+    EXPECT_EQ(scene.left_color.at<cv::Vec3b>(1, 3), cv::Vec3b(10, 20, 30));
+    EXPECT_EQ(scene.calibration.disparities, 3);
+    EXPECT_EQ(scene.truth.at<float>(1, 1), 1.0F);
+    EXPECT_TRUE(std::isnan(scene.truth.at<float>(0, 2)));
+    const cv::Mat visible = (cv::Mat_<uchar>(2, 4) << 255, 0, 0, 255, 255, 255, 255, 255);
+    EXPECT_EQ(cv::norm(scene.visible, visible, cv::NORM_INF), 0.0);
+  }
+}
+
+TEST_F(MiddleburyScene, DerivesVisibilityWithoutAMask) {
+  std::filesystem::remove(scene_ + "/mask0nocc.png");
+  const StereoScene scene = readMiddleburyScene(scene_);
+  EXPECT_EQ(cv::norm(scene.visible, visibleInBoth(truth_), cv::NORM_INF), 0.0);
+}
+
+TEST_F(MiddleburyScene, NamesTheMissingFile) {
+  for (const char* name : {"im0.png", "im1.png", "disp0GT.pfm", "calib.txt"}) {
+    const std::string file = scene_ + "/" + name;
+    std::filesystem::rename(file, file + ".away");
+    EXPECT_TRUE(mentions(errorText([&] { readMiddleburyScene(scene_); }), {file, "no such file"}));
+    std::filesystem::rename(file + ".away", file);
+  }
+}
+
+TEST_F(MiddleburyScene, NamesBothFilesWhoseSizesDisagree) {
+  const auto error = [&](const std::string& name) {
+    const std::string text = errorText([&] { readMiddleburyScene(scene_); });
+    EXPECT_TRUE(mentions(text, {scene_ + "/" + name, "4x2", "4x3"}));
+    return text;
+  };
+  writeMiddleburyCalibration(scene_ + "/calib.txt", {500, 2, 2, 1, 0.1, 4, 3, 3});
+  EXPECT_TRUE(mentions(error("calib.txt"), {"im0.png"}));
+  writeImage(scene_ + "/mask0nocc.png", cv::Mat::zeros(3, 4, CV_8UC1));
+  EXPECT_TRUE(mentions(error("mask0nocc.png"), {"disp0GT.pfm"}));
+  writePfm(scene_ + "/disp0GT.pfm", cv::Mat::zeros(3, 4, CV_32FC1));
+  EXPECT_TRUE(mentions(error("disp0GT.pfm"), {"im0.png"}));
+  writeImage(scene_ + "/im1.png", cv::Mat::zeros(3, 4, CV_8UC1));
+  EXPECT_TRUE(mentions(error("im1.png"), {"im0.png"}));
+}
+
+TEST_F(MiddleburyScene, ListsOnlyFoldersThatHoldAScene) {
+  for (const char* name : {"B", "A"}) {
+    std::filesystem::copy(scene_, folder_.file(name));
+  }
+  std::filesystem::create_directory(folder_.file("Empty"));
+  folder_.write("README.md", "");
+  EXPECT_EQ(listMiddleburyScenes(folder_.file("")), (std::vector<std::string>{"A", "B", "Scene"}));
+  EXPECT_TRUE(mentions(errorText([&] { listMiddleburyScenes(folder_.file("absent")); }),
+                       {"absent", "no such folder"}));
+}
+
+TEST(MiddleburyData, VisibilityFromTheLeftTruthIsCloseToTheOfficialMask) {
+  const char* const data = std::getenv("CBMV_DATA");
+  if (data == nullptr) {
+    GTEST_SKIP() << "CBMV_DATA names no data folder";
+  }
+  const StereoScene scene = readMiddleburyScene(std::string(data) + "/middlebury_eval3_Q/Teddy");
+  const cv::Mat known = scene.truth == scene.truth;
+  const cv::Mat differs = (visibleInBoth(scene.truth) != scene.visible) & known;
+  EXPECT_LT(cv::countNonZero(differs), 0.03 * cv::countNonZero(known));
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,108 @@
+#include "cbmv_stereo/io/pfm.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "support/error_text.h"
+#include "support/temporary_folder.h"
+
+namespace cbmv {
+namespace {
+
+/// 3 columns, 2 rows; bottom row 1 2 3, top row 4 5 infinity, big endian.
+std::string bigEndianValues() {
+  return {
+      "\x3f\x80\x00\x00\x40\x00\x00\x00\x40\x40\x00\x00"
+      "\x40\x80\x00\x00\x40\xa0\x00\x00\x7f\x80\x00\x00",
+      24};
+}
+
+std::string littleEndianValues() {
+  std::string values = bigEndianValues();
+  for (std::size_t i = 0; i < values.size(); i += 4) {
+    std::swap(values[i], values[i + 3]);
+    std::swap(values[i + 1], values[i + 2]);
+  }
+  return values;
+}
+
+TEST(Pfm, ReadsBothByteOrdersFromTheBottomUp) {
+  const TemporaryFolder folder;
+  const cv::Mat expected =
+      (cv::Mat_<float>(2, 3) << 4, 5, std::numeric_limits<float>::infinity(), 1, 2, 3);
+  for (const std::string& content :
+       {"Pf\n3 2\n1.0\n" + bigEndianValues(), "Pf\n3 2\n-0.003922\n" + littleEndianValues(),
+        "Pf 3\n2\n-1\n" + littleEndianValues()}) {
+    const cv::Mat map = readPfm(folder.write("a.pfm", content));
+    ASSERT_EQ(map.type(), CV_32FC1);
+    ASSERT_EQ(map.size(), expected.size());
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_EQ(map.at<float>(i / 3, i % 3), expected.at<float>(i / 3, i % 3));
+    }
+  }
+}
+
+TEST(Pfm, ValuesComeBackBitForBit) {
+  const TemporaryFolder folder;
+  for (const cv::Size size : {cv::Size(5, 3), cv::Size(1, 7), cv::Size(9, 1), cv::Size(1, 1)}) {
+    cv::Mat wide(size.height, size.width + 4, CV_32FC1);
+    cv::RNG(3).fill(wide, cv::RNG::UNIFORM, -1e6, 1e6);
+    cv::Mat map = wide.colRange(2, 2 + size.width);  // rows that are not adjacent in memory
+    map.at<float>(0, 0) = std::numeric_limits<float>::infinity();
+    writePfm(folder.file("a.pfm"), map);
+    const cv::Mat read = readPfm(folder.file("a.pfm"));
+    ASSERT_EQ(read.size(), size);
+    for (int y = 0; y < size.height; ++y) {
+      EXPECT_EQ(std::memcmp(read.ptr(y), map.ptr(y), 4 * static_cast<std::size_t>(size.width)), 0);
+    }
+  }
+}
+
+TEST(Pfm, WritesLittleEndian) {
+  const TemporaryFolder folder;
+  writePfm(folder.file("a.pfm"), cv::Mat(1, 1, CV_32FC1, cv::Scalar(1.0)));
+  std::ifstream in(folder.file("a.pfm"), std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_EQ(content, std::string("Pf\n1 1\n-1.0\n\x00\x00\x80\x3f", 16));
+}
+
+TEST(Pfm, SaysWhatIsWrongWithTheFile) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& content) {
+    const std::string path = folder.write("bad.pfm", content);
+    const std::string text = errorText([&] { readPfm(path); });
+    EXPECT_TRUE(mentions(text, {path}));
+    return text;
+  };
+  const std::string values = littleEndianValues();
+  EXPECT_TRUE(mentions(error(""), {"portable float map"}));
+  EXPECT_TRUE(mentions(error("PF\n3 2\n-1\n" + values), {"portable float map"}));
+  EXPECT_TRUE(mentions(error("P5\n3 2\n255\n" + values), {"portable float map"}));
+  EXPECT_TRUE(mentions(error("Pf\nthree 2\n-1\n" + values), {"header"}));
+  EXPECT_TRUE(mentions(error("Pf\n3 2\n0\n" + values), {"header"}));
+  EXPECT_TRUE(mentions(error("Pf\n3 2"), {"header"}));
+  EXPECT_TRUE(mentions(error("Pf\n99999999999999999999 2\n-1\n"), {"header"}));
+  EXPECT_TRUE(mentions(error("Pf\n65536 1\n-1\n" + values), {"65536x1", "1 to 65535"}));
+  EXPECT_TRUE(mentions(error("Pf\n0 2\n-1\n" + values), {"0x2"}));
+  EXPECT_TRUE(mentions(error("Pf\n-3 -2\n-1\n" + values), {"-3x-2"}));
+  EXPECT_TRUE(mentions(error("Pf\n65535 65535\n-1\n" + values), {"has 42 bytes", "17179344918"}));
+  EXPECT_TRUE(mentions(error("Pf\n3 2\n-1\n" + values.substr(1)), {"has 33 bytes", "has 34."}));
+  EXPECT_TRUE(mentions(error("Pf\n3 2\n-1\n" + values + "x"), {"has 35 bytes"}));
+}
+
+TEST(Pfm, NamesTheFileThatCannotBeOpened) {
+  const TemporaryFolder folder;
+  const std::string missing = folder.file("missing.pfm");
+  EXPECT_TRUE(mentions(errorText([&] { readPfm(missing); }), {missing, "no such file"}));
+  const std::string unwritable = folder.file("absent/a.pfm");
+  EXPECT_TRUE(mentions(errorText([&] { writePfm(unwritable, cv::Mat::zeros(1, 1, CV_32FC1)); }),
+                       {unwritable}));
+}
+
+}  // namespace
+}  // namespace cbmv
