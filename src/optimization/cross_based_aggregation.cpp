@@ -111,8 +111,7 @@ class TileAggregator {
         reach_(std::max(0, tile.columns.start - inputs.longest_arm_px),
                std::min(inputs.costs.width(), tile.columns.end + inputs.longest_arm_px)),
         ring_rows_(powerOfTwoFrom(2 * inputs.longest_arm_px + 2)),
-        row_pitch_(tile.columns.size() +
-                   1),  // odd, lest all rows compete for one part of the cache
+        row_pitch_(tile.columns.size() + 1),
         row_prefix_(reach_.size() + 1),
         rows_above_(inputs.longest_arm_px + 1),
         rows_including_(inputs.longest_arm_px + 1),
@@ -223,7 +222,9 @@ class TileAggregator {
   const int disparities_;
   const cv::Range reach_;  // columns that arms of the tile can reach
   const int ring_rows_;
-  const int row_pitch_;  // of the ring, in columns
+  /// Of the ring, in columns. A power of two would have all its rows compete for one part of the
+  /// cache.
+  const int row_pitch_;
   std::vector<Lane<std::uint32_t>> row_prefix_;
   std::vector<const Lane<Region>*> rows_above_;      // of the current row less an arm, by arm
   std::vector<const Lane<Region>*> rows_including_;  // of the current row plus an arm, by arm
