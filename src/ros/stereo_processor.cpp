@@ -1,0 +1,86 @@
+#include "ros/stereo_processor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace cbmv {
+namespace {
+
+double steadyNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string rangeText(const DisparityRange& range) {
+  return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
+}
+
+}  // namespace
+
+DisparityRange clipRange(const DisparityRange& range, int image_width) {
+  const int lowest = std::max(range.min, 1 - image_width);
+  const int highest = std::min(range.max(), image_width - 1);
+  if (lowest > highest) {
+    throw InputError(InputFault::kDisparityRange,
+                     "the disparities " + rangeText(range) + " lie outside of images " +
+                         std::to_string(image_width) +
+                         " px wide; min_disparity and disparity_range have to leave some inside");
+  }
+  return {lowest, highest - lowest + 1};
+}
+
+StereoProcessor::StereoProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options,
+                                 bool allow_different_frame_ids)
+    : allow_different_frame_ids_(allow_different_frame_ids),
+      matcher_(std::move(forest), options),
+      options_(options),
+      tracker_(std::in_place, options.rectification) {}
+
+void StereoProcessor::setOptions(const StereoOptions& options) {
+  const std::lock_guard<std::mutex> lock(new_options_mutex_);
+  new_options_ = options;
+}
+
+ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
+                                        const StereoTopics& topics) {
+  takeNewOptions();
+  const GreyPair images = toGreyPair(messages, topics, allow_different_frame_ids_);
+  ProcessedFrame frame;
+  frame.geometry = toGeometry(messages, topics);
+
+  StereoOptions options = options_;
+  options.range = clipRange(options_.range, images.left.cols);
+  if (options.range.count != options_.range.count) {
+    frame.range_correction = "disparity_range is " + std::to_string(options_.range.count) +
+                             ", but images on " + topics.left_image + " are only " +
+                             std::to_string(images.left.cols) + " px wide: the disparities " +
+                             rangeText(options.range) + " are used";
+  }
+  matcher_.setOptions(options);
+  frame.result = matcher_.match(images.left, images.right, trackOffset(images, options.range));
+  frame.left_grey = images.left;
+  frame.disparity_step_px = disparityStep(options.range, options.refinement);
+  return frame;
+}
+
+void StereoProcessor::takeNewOptions() {
+  std::optional<StereoOptions> taken;
+  {
+    const std::lock_guard<std::mutex> lock(new_options_mutex_);
+    taken = std::exchange(new_options_, std::nullopt);
+  }
+  if (taken) {
+    options_ = *taken;
+    tracker_.emplace(options_.rectification);
+  }
+}
+
+VerticalOffset StereoProcessor::trackOffset(const GreyPair& images, const DisparityRange& range) {
+  if (images.left.size() != tracked_size_) {
+    tracker_->reset();
+    tracked_size_ = images.left.size();
+  }
+  return tracker_->update(images.left, images.right, range, steadyNow());
+}
+
+}  // namespace cbmv
