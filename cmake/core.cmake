@@ -26,6 +26,7 @@ add_library(cbmv SHARED ${CBMV_SOURCES})
 target_include_directories(cbmv PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_include_directories(cbmv SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
 target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
   PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)

@@ -10,7 +10,7 @@
 namespace cbmv {
 
 /// Zero-mean sum of absolute differences in a 5 × 5 window (Batsos et al. 2018, section 3.1):
-/// Σ |(l − mean l) − (r − mean r)|, in grey levels, in [0, 12 750]. Means are rounded to a quarter of
+/// Σ |(l − mean l) − (r − mean r)|, in grey levels, in [0, 6 370]. Means are rounded to a quarter of
 /// a grey level, so that the sum is exact in 16-bit integers.
 class ZeroMeanSadMatcher {
  public:

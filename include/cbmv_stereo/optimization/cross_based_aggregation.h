@@ -18,9 +18,9 @@ namespace cbmv {
 /// reaches such a hypothesis.
 ///
 /// `costs` and `aggregated` are different volumes; `aggregated` is resized. Arms are CV_8UC4 from
-/// computeSupportArms, `reference_arms` of the image that `view` names. O(1) per hypothesis,
-/// whatever the arm length; parallel over rows by oneTBB; the result does not depend on the number
-/// of threads.
+/// computeSupportArms, `reference_arms` of the image that `view` names. Costs are at most 16383.
+/// O(1) per hypothesis, whatever the arm length; parallel by oneTBB; the result does not depend on
+/// the number of threads.
 void aggregateCosts(const OptimizedVolume& costs, const cv::Mat& reference_arms,
                     const cv::Mat& other_arms, View view, const DisparityRange& range,
                     OptimizedVolume& aggregated);

@@ -8,9 +8,9 @@
 
 namespace cbmv {
 
-/// The two images of a pair as semi-global matching sees them: CV_8UC1, same size, and the intensity
-/// step in grey levels from which on a step counts as an edge (tau_so times the image's standard
-/// deviation).
+/// The two images of a pair as semi-global matching sees them: CV_8UC1, same size, and the
+/// intensity step in grey levels from which on a step counts as an edge (tau_so times the image's
+/// standard deviation).
 struct EdgeImages {
   cv::Mat reference;
   cv::Mat other;
@@ -27,14 +27,16 @@ struct EdgeImages {
 /// and L_r = C at the first pixel of a path. P1 and P2 are `options.p1`, `options.p2` times 255,
 /// depending on the hypothesis: an edge in the reference image is |I(p) − I(q)| ≥ threshold, in the
 /// other image the same at the matching columns of p and q for disparity d (no edge where one of
-/// them lies outside). No edge: P1, P2; an edge in one image: both divided by q1; in both images: by
-/// q1·q2. On vertical paths P1 is divided by alpha1 on top. Penalties are rounded to the nearest
-/// integer.
+/// them lies outside). No edge: P1, P2; an edge in one image: both divided by q1; in both images:
+/// by q1·q2. On vertical paths P1 is divided by alpha1 on top. Penalties are rounded to the nearest
+/// integer: std::lround(255.0 * p / divisor), with the divisors multiplied with each other first,
+/// in double.
 ///
 /// `mean` becomes (L_left + L_right + L_above + L_below + 2) / 4. `costs` and `mean` are different
 /// volumes; `mean` is resized. Penalties and costs must satisfy
-/// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, or P1 > P2.
-/// Parallel by oneTBB; the result does not depend on the number of threads.
+/// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, if p1 is
+/// negative or above p2, or if q1, q2 or alpha1 is below 1. Parallel by oneTBB; the result does not
+/// depend on the number of threads.
 void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
                         const DisparityRange& range, const SgmOptions& options,
                         OptimizedVolume& mean);

@@ -6,18 +6,20 @@
 
 namespace cbmv {
 
-/// Occlusions belong to the background (Žbontar & LeCun 2016, section 4.3): each takes the disparity
-/// of the nearest match to its left on the row, which in the left view is the background's. The
-/// border strip that has no match to its left takes that of the nearest match to its right; rows
-/// without any match become range.invalid().
+/// Occlusions belong to the background (Žbontar & LeCun 2016, section 4.3): each takes the
+/// disparity of the nearest match to its left on the row, which in the left view is the
+/// background's. The border strip that has no match to its left takes that of the nearest match to
+/// its right; rows without any match become range.invalid().
 ///
 /// `disparity` (CV_32FC1) is changed in place at pixels that `labels` (CV_8UC1 of Label) calls
 /// kOcclusion.
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);
 
-/// Mismatches (ibid.): each takes the median of the nearest matches in 16 directions, evenly spaced;
-/// directions that leave the image without a match do not count; the lower of the two middle values
-/// when their number is even; range.invalid() when there is none.
+/// Mismatches (ibid.): each takes the median of the nearest matches in 16 directions, k · 22.5°. A
+/// direction is walked in steps of one pixel along the image axis that it is closer to, the other
+/// coordinate rounded to the nearest pixel; directions that leave the image without a match do not
+/// count. The lower of the two middle values when their number is even; range.invalid() when there
+/// is none.
 ///
 /// Only pixels that `labels` calls kMatch are read; only those that it calls kMismatch are written.
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);

@@ -6,10 +6,10 @@
 
 namespace cbmv {
 
-/// Median of the valid disparities in a size_px × size_px window (odd, at least 1; 1 copies). At
-/// the image border the window is cut off. With an even number of valid values, the lower of the two
-/// middle ones. Invalid pixels stay invalid. CV_32FC1; `filtered` may not be `disparity`. Parallel
-/// over rows by oneTBB.
+/// Median of the valid disparities in a size_px × size_px window (odd, at least 1, else throws
+/// Error; 1 copies). At the image border the window is cut off. With an even number of valid
+/// values, the lower of the two middle ones. Invalid pixels stay invalid. CV_32FC1; `filtered` may
+/// not share memory with `disparity`. Parallel over rows by oneTBB.
 void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int size_px,
                   cv::Mat& filtered);
 

@@ -1,0 +1,249 @@
+#include "cbmv_stereo/pipeline/parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+#include <type_traits>
+#include <utility>
+
+#include <yaml-cpp/yaml.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/optimization/semi_global_matching.h"
+
+namespace cbmv {
+namespace {
+
+constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
+
+std::string valueText(const ParameterValue& value) {
+  std::ostringstream text;
+  text << std::boolalpha;
+  std::visit([&](const auto& v) { text << v; }, value);
+  return text.str();
+}
+
+double numberOf(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return static_cast<double>(v); }, value);
+}
+
+/// The type of a value as users call it.
+const char* typeName(const ParameterValue& value) {
+  constexpr std::array<const char*, 3> kNames = {"true or false", "a whole number", "a number"};
+  return kNames[value.index()];
+}
+
+void requireFits(const Parameter& parameter, const ParameterValue& value) {
+  const bool promoted = std::holds_alternative<int>(value) &&
+                        std::holds_alternative<double>(parameter.default_value);
+  if (value.index() != parameter.default_value.index() && !promoted) {
+    throw Error(parameter.name + " is " + valueText(value) + ", it must be " +
+                typeName(parameter.default_value));
+  }
+  const double number = numberOf(value);
+  if (!std::holds_alternative<bool>(value) &&
+      !(number >= parameter.lowest && number <= parameter.highest)) {
+    std::ostringstream text;
+    text << parameter.name << " is " << number << ", it must be in [" << parameter.lowest << ", "
+         << parameter.highest << "]";
+    throw Error(text.str());
+  }
+}
+
+/// Builds the table: one call of add a field, which finds the field in any StereoOptions.
+class ParameterTable {
+ public:
+  template <typename Access>
+  void add(const char* name, const char* unit, double lowest, double highest, Access access,
+           const char* description) {
+    using Field = std::decay_t<decltype(access(std::declval<StereoOptions&>()))>;
+    using Value = std::conditional_t<std::is_floating_point_v<Field>, double, Field>;
+    Parameter parameter;
+    parameter.name = name;
+    parameter.unit = unit;
+    parameter.description = description;
+    parameter.lowest = lowest;
+    parameter.highest = highest;
+    parameter.get = [access](const StereoOptions& options) {
+      StereoOptions copy = options;
+      return ParameterValue(static_cast<Value>(access(copy)));
+    };
+    parameter.default_value = parameter.get(StereoOptions());
+    Parameter checked = parameter;
+    parameter.set = [access, checked](StereoOptions& options, const ParameterValue& value) {
+      requireFits(checked, value);
+      access(options) = static_cast<Field>(numberOf(value));
+    };
+    parameters.push_back(std::move(parameter));
+  }
+
+  std::vector<Parameter> parameters;
+};
+
+using Options = StereoOptions;
+
+void addMatchingParameters(ParameterTable& table) {
+  table.add("min_disparity", "px", -2048, 2048,
+            [](Options& o) -> int& { return o.range.min; },
+            "Lowest disparity that is tested; negative for toed-in cameras");
+  table.add("disparity_range", "px", 1, 4096,
+            [](Options& o) -> int& { return o.range.count; },
+            "Number of disparities that are tested, from min_disparity on");
+  table.add("refine_rectification", "", 0, 1,
+            [](Options& o) -> bool& { return o.rectification.enabled; },
+            "Estimate and remove the vertical offset that is left between the images");
+  table.add("rectification_max_offset", "px", 0.5, 16,
+            [](Options& o) -> double& { return o.rectification.max_offset_px; },
+            "Largest vertical offset that is looked for");
+  table.add("rectification_interval", "s", 0, 3600,
+            [](Options& o) -> double& { return o.rectification.interval_s; },
+            "Time between two estimates of the vertical offset on a stream");
+}
+
+void addOptimizationParameters(ParameterTable& table) {
+  table.add("cbca_arm_length", "px", 1, 64,
+            [](Options& o) -> int& { return o.aggregation.arm_length_px; },
+            "L1: arms of the support crosses hold fewer pixels than this");
+  table.add("cbca_intensity_threshold", "standard deviations", 0, 10,
+            [](Options& o) -> float& { return o.aggregation.intensity_threshold; },
+            "tau1: an arm ends where the intensity departs by this from the centre's");
+  table.add("cbca_iterations_before", "", 0, 16,
+            [](Options& o) -> int& { return o.aggregation.iterations_before; },
+            "Runs of cost aggregation before semi-global matching");
+  table.add("cbca_iterations_after", "", 0, 16,
+            [](Options& o) -> int& { return o.aggregation.iterations_after; },
+            "Runs of cost aggregation after semi-global matching");
+  table.add("P1", "", 0, 60, [](Options& o) -> float& { return o.sgm.p1; },
+            "Penalty of a disparity step of one pixel; matching costs are in [0, 1]");
+  table.add("P2", "", 0, 60, [](Options& o) -> float& { return o.sgm.p2; },
+            "Penalty of a larger disparity step, at least P1");
+  table.add("sgm_q1", "", 1, 20, [](Options& o) -> float& { return o.sgm.q1; },
+            "Divides P1 and P2 where one of the images has an edge");
+  table.add("sgm_q2", "", 1, 20, [](Options& o) -> float& { return o.sgm.q2; },
+            "Divides P1 and P2 once more where both images have an edge");
+  table.add("sgm_alpha1", "", 1, 20, [](Options& o) -> float& { return o.sgm.alpha1; },
+            "Divides P1 on the vertical paths");
+  table.add("sgm_tau_so", "standard deviations", 0, 10,
+            [](Options& o) -> float& { return o.sgm.edge_threshold; },
+            "Intensity step between neighbours that counts as an edge");
+  table.add("sgm_iterations", "", 0, 4, [](Options& o) -> int& { return o.sgm.iterations; },
+            "Runs of semi-global matching, each on the mean of the run before; 0 skips it");
+}
+
+void addRefinementParameters(ParameterTable& table) {
+  table.add("left_right_check", "", 0, 1,
+            [](Options& o) -> bool& { return o.refinement.left_right_check; },
+            "Match the right view too and find occlusions and mismatches; doubles the time of the "
+            "optimization");
+  table.add("left_right_max_difference", "px", 0, 16,
+            [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },
+            "Up to this difference both views agree");
+  table.add("fill_occlusions", "", 0, 1,
+            [](Options& o) -> bool& { return o.refinement.fill_occlusions; },
+            "Fill occlusions from the background; else they are invalid");
+  table.add("fill_mismatches", "", 0, 1,
+            [](Options& o) -> bool& { return o.refinement.fill_mismatches; },
+            "Fill mismatches from their neighbours; else they are invalid");
+  table.add("subpixel", "", 0, 1, [](Options& o) -> bool& { return o.refinement.subpixel; },
+            "Refine whole-pixel disparities by a parabola through the costs");
+  table.add("median_size", "px", 1, 5,
+            [](Options& o) -> int& { return o.refinement.median_size_px; },
+            "Window of the median filter, odd; 1 switches it off");
+  table.add("bilateral_sigma", "px", 0, 10,
+            [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
+            "Width of the bilateral filter; 0 switches it off");
+  table.add("bilateral_threshold", "px", 0, 16,
+            [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
+            "Disparities that differ by this from the centre's do not count in the filter");
+}
+
+ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node) {
+  if (std::holds_alternative<bool>(parameter.default_value)) {
+    return node.as<bool>();
+  }
+  if (std::holds_alternative<int>(parameter.default_value)) {
+    return node.as<int>();
+  }
+  return node.as<double>();
+}
+
+}  // namespace
+
+std::vector<Parameter> stereoParameters() {
+  ParameterTable table;
+  addMatchingParameters(table);
+  addOptimizationParameters(table);
+  addRefinementParameters(table);
+  return table.parameters;
+}
+
+Parameter findParameter(const std::string& name) {
+  for (const Parameter& parameter : stereoParameters()) {
+    if (parameter.name == name) {
+      return parameter;
+    }
+  }
+  throw Error("there is no parameter " + name);
+}
+
+std::string describeOptions(const StereoOptions& options) {
+  std::string text;
+  for (const Parameter& parameter : stereoParameters()) {
+    text += parameter.name + " = " + valueText(parameter.get(options)) +
+            (parameter.unit.empty() ? "" : " " + parameter.unit) + "\n";
+  }
+  return text;
+}
+
+std::vector<std::string> correctOptions(StereoOptions& options) {
+  std::vector<std::string> mends;
+  SgmOptions& sgm = options.sgm;
+  if (sgm.p1 > sgm.p2) {
+    mends.push_back("P1 (" + valueText(sgm.p1) + ") was lowered to P2 (" + valueText(sgm.p2) +
+                    "): a small disparity step cannot cost more than a large one");
+    sgm.p1 = sgm.p2;
+  }
+  if (sgmCostBound(sgm) > kLargestSgmCost) {
+    const float highest = static_cast<float>((kLargestSgmCost - 255) / 255 / sgm.iterations);
+    mends.push_back("P2 (" + valueText(sgm.p2) + ") was lowered to " + valueText(highest) +
+                    ": the sums of " + valueText(sgm.iterations) +
+                    " runs of semi-global matching must fit 16 bits");
+    sgm.p2 = highest;
+    sgm.p1 = std::min(sgm.p1, sgm.p2);
+  }
+  int& median = options.refinement.median_size_px;
+  if (median % 2 == 0) {
+    mends.push_back("median_size (" + valueText(median) + ") was lowered to " +
+                    valueText(median - 1) + ": the window must be odd");
+    --median;
+  }
+  return mends;
+}
+
+void readPreset(const std::string& path, StereoOptions& options) {
+  try {
+    const YAML::Node preset = YAML::LoadFile(path);
+    if (!preset.IsMap()) {
+      throw Error("is not a map from parameter names to values");
+    }
+    StereoOptions read = options;
+    for (const auto& entry : preset) {
+      const auto name = entry.first.as<std::string>();
+      const Parameter parameter = findParameter(name);
+      try {
+        parameter.set(read, valueFromYaml(parameter, entry.second));
+      } catch (const YAML::Exception&) {
+        throw Error(name + " must be " + typeName(parameter.default_value));
+      }
+    }
+    options = read;
+  } catch (const YAML::BadFile&) {
+    throw Error("preset " + path + ": cannot be opened; give the path of a YAML file");
+  } catch (const YAML::Exception& error) {
+    throw Error("preset " + path + ": is not valid YAML: " + error.what());
+  } catch (const Error& error) {
+    throw Error("preset " + path + ": " + error.what());
+  }
+}
+
+}  // namespace cbmv

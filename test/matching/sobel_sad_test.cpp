@@ -1,0 +1,47 @@
+#include "cbmv_stereo/matching/sobel_sad.h"
+
+#include <cmath>
+
+#include "support/matching_reference.h"
+
+namespace cbmv::test {
+namespace {
+
+/// Of the image that repeats its border by kMatchingBorderPx, and no further.
+double response(const cv::Mat& grey, int y, int x) {
+  const auto column = [&](int column_x) {
+    const int inside = std::clamp(column_x, -kMatchingBorderPx, grey.cols - 1 + kMatchingBorderPx);
+    return at(grey, y - 1, inside) + 2 * at(grey, y, inside) + at(grey, y + 1, inside);
+  };
+  return column(x + 1) - column(x - 1);
+}
+
+class SobelSadTest : public testing::TestWithParam<MatchingCase> {};
+
+TEST_P(SobelSadTest, EqualsDefinition) {
+  const auto [shape, content] = GetParam();
+  const MatchingPair pair = makePair(shape, content);
+  SobelSadMatcher matcher;
+  matcher.prepare(pair.padded_left, pair.padded_right);
+  SobelSadMatcher::Scratch scratch;
+  expectCosts(
+      shape, 0,
+      [&, range = shape.range](int y, CostRow& costs) {
+        matcher.computeRow(y, range, scratch, costs);
+      },
+      [&](int y, int x, int x_right) {
+        double sum = 0;
+        for (int dy = -2; dy <= 2; ++dy) {
+          for (int dx = -2; dx <= 2; ++dx) {
+            sum += std::abs(response(pair.left, y + dy, x + dx) -
+                            response(pair.right, y + dy, x_right + dx));
+          }
+        }
+        return sum;
+      });
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SobelSadTest, allMatchingCases());
+
+}  // namespace
+}  // namespace cbmv::test

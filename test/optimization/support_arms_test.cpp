@@ -1,0 +1,71 @@
+#include "cbmv_stereo/optimization/support_arms.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/random_images.h"
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv::test {
+namespace {
+
+int naiveArm(const cv::Mat& grey, int y, int x, int dy, int dx, int max_length, double threshold) {
+  int length = 0;
+  for (int n = 1; n < max_length && isInside(grey, y + n * dy, x + n * dx); ++n) {
+    const int difference =
+        grey.at<std::uint8_t>(y, x) - grey.at<std::uint8_t>(y + n * dy, x + n * dx);
+    if (!(std::abs(difference) < threshold)) {
+      break;
+    }
+    length = n;
+  }
+  return length;
+}
+
+class SupportArms : public testing::TestWithParam<Case> {};
+
+TEST_P(SupportArms, EqualNaiveOnes) {
+  const auto [shape, view, content] = GetParam();
+  const cv::Mat grey = makeGrey(shape.size(), content, view == View::kLeft ? 1 : 2);
+  for (const int max_length : {1, 6, 255}) {
+    for (const float threshold : {-1.0F, 0.0F, 4.0F, 70.3F, 1000.0F}) {
+      cv::Mat arms;
+      computeSupportArms(grey, max_length, threshold, arms);
+      ASSERT_EQ(arms.type(), CV_8UC4);
+      ASSERT_EQ(arms.size(), grey.size());
+      for (int y = 0; y < grey.rows; ++y) {
+        for (int x = 0; x < grey.cols; ++x) {
+          const cv::Vec4b expected(naiveArm(grey, y, x, 0, -1, max_length, threshold),
+                                   naiveArm(grey, y, x, 0, 1, max_length, threshold),
+                                   naiveArm(grey, y, x, -1, 0, max_length, threshold),
+                                   naiveArm(grey, y, x, 1, 0, max_length, threshold));
+          ASSERT_EQ(arms.at<cv::Vec4b>(y, x), expected) << "y " << y << " x " << x;
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SupportArms, allCases());
+
+TEST(SupportArms, ReadsPartsOfImages) {
+  const cv::Mat whole = makeGrey({50, 40}, Content::kPatches, 3);
+  const cv::Mat part = whole(cv::Rect(7, 5, 30, 20));
+  cv::Mat arms_of_part;
+  cv::Mat arms_of_copy;
+  computeSupportArms(part, 9, 20.0F, arms_of_part);
+  computeSupportArms(part.clone(), 9, 20.0F, arms_of_copy);
+  EXPECT_EQ(cv::norm(arms_of_part, arms_of_copy, cv::NORM_INF), 0);
+}
+
+TEST(SupportArms, RejectsArmLengthsBeyondAByte) {
+  cv::Mat arms;
+  const cv::Mat grey = cv::Mat::zeros(3, 3, CV_8UC1);
+  EXPECT_THROW(computeSupportArms(grey, 0, 1.0F, arms), Error);
+  EXPECT_THROW(computeSupportArms(grey, 256, 1.0F, arms), Error);
+}
+
+}  // namespace
+}  // namespace cbmv::test

@@ -1,0 +1,42 @@
+#include "cbmv_stereo/optimization/winner_takes_all.h"
+
+#include <gtest/gtest.h>
+
+#include "support/random_images.h"
+
+namespace cbmv::test {
+namespace {
+
+float naiveWinner(const OptimizedVolume& costs, View view, const DisparityRange& range, int y,
+                  int x) {
+  float winner = range.invalid();
+  int lowest = 1 << 20;
+  for (int i = 0; i < range.count; ++i) {
+    const int match = matchingColumn(view, x, range.min + i);
+    if (match >= 0 && match < costs.width() && costs.pixel(y, x)[i] < lowest) {
+      lowest = costs.pixel(y, x)[i];
+      winner = static_cast<float>(range.min + i);
+    }
+  }
+  return winner;
+}
+
+class WinnerTakesAll : public testing::TestWithParam<Case> {};
+
+TEST_P(WinnerTakesAll, EqualsNaiveOne) {
+  const auto [shape, view, content] = GetParam();
+  for (const int max_cost : {0, 3, 255, 65535}) {  // small ones: many ties
+    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    cv::Mat disparity;
+    winnerTakesAll(costs, view, shape.range, disparity);
+    const auto expected = [&, v = view, range = shape.range](int y, int x) {
+      return naiveWinner(costs, v, range, y, x);
+    };
+    expectMap<float>(disparity, shape.size(), expected);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, WinnerTakesAll, allCases());
+
+}  // namespace
+}  // namespace cbmv::test

@@ -1,0 +1,96 @@
+#include "cbmv_stereo/refinement/interpolation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/random_images.h"
+
+#include "cbmv_stereo/refinement/left_right_check.h"
+
+namespace cbmv::test {
+namespace {
+
+/// Labels of which one in `match_every` is a match, the others of either kind; or patches of them.
+cv::Mat makeLabels(const cv::Size& size, Content content, int match_every, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  cv::Mat labels(size, CV_8UC1);
+  for (int y = 0; y < labels.rows; ++y) {
+    for (int x = 0; x < labels.cols; ++x) {
+      const int patch = patchValue(y, x, 20, seed, random) % 3;
+      const bool match = random() % match_every == 0;
+      const int wrong = 1 + static_cast<int>(random() % 2);
+      labels.at<std::uint8_t>(y, x) =
+          static_cast<std::uint8_t>(content == Content::kPatches ? patch : (match ? 0 : wrong));
+    }
+  }
+  return labels;
+}
+
+float naiveOcclusion(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x) {
+  for (const int step : {-1, 1}) {
+    for (int column = x; isInside(labels, y, column); column += step) {
+      if (labels.at<std::uint8_t>(y, column) == kMatch) {
+        return disparity.at<float>(y, column);
+      }
+    }
+  }
+  return invalid;
+}
+
+float naiveMismatch(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x) {
+  std::vector<float> nearest;
+  for (int k = 0; k < 16; ++k) {
+    const double angle = k * 22.5 * CV_PI / 180;
+    const double longer = std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
+    for (int n = 1;; ++n) {
+      const int row = y + static_cast<int>(std::lround(n * std::sin(angle) / longer));
+      const int column = x + static_cast<int>(std::lround(n * std::cos(angle) / longer));
+      if (!isInside(labels, row, column)) {
+        break;
+      }
+      if (labels.at<std::uint8_t>(row, column) == kMatch) {
+        nearest.push_back(disparity.at<float>(row, column));
+        break;
+      }
+    }
+  }
+  std::sort(nearest.begin(), nearest.end());
+  return nearest.empty() ? invalid : nearest[(nearest.size() - 1) / 2];
+}
+
+class Interpolation : public testing::TestWithParam<Case> {
+ protected:
+  /// Fills by `fill` the pixels that are labelled so, and expects `naive` there, no change
+  /// elsewhere.
+  template <typename Fill, typename Naive>
+  void expectFilled(Label label, const Fill& fill, const Naive& naive) {
+    const auto [shape, view, content] = GetParam();
+    const DisparityRange range = shape.range;
+    const std::uint32_t seed = view == View::kLeft ? 13 : 14;
+    for (const int match_every : {1, 3, 40, 1000000}) {
+      const cv::Mat labels = makeLabels(shape.size(), content, match_every, seed);
+      const cv::Mat before = makeDisparity(shape, content, 1000000, seed);
+      cv::Mat after = before.clone();
+      fill(labels, range, after);
+      expectMap<float>(after, shape.size(), [&](int y, int x) {
+        return labels.at<std::uint8_t>(y, x) == label ? naive(labels, before, range.invalid(), y, x)
+                                                      : before.at<float>(y, x);
+      });
+    }
+  }
+};
+
+TEST_P(Interpolation, OcclusionsEqualNaiveOnes) {
+  expectFilled(kOcclusion, fillOcclusions, naiveOcclusion);
+}
+
+TEST_P(Interpolation, MismatchesEqualNaiveOnes) {
+  expectFilled(kMismatch, fillMismatches, naiveMismatch);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Interpolation, allCases());
+
+}  // namespace
+}  // namespace cbmv::test

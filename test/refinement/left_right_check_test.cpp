@@ -1,0 +1,84 @@
+#include "cbmv_stereo/refinement/left_right_check.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/random_images.h"
+
+namespace cbmv::test {
+namespace {
+
+bool naiveAgreement(const cv::Mat& right, const DisparityRange& range, double max_difference, int y,
+                    int x, double d) {
+  const auto column = static_cast<int>(std::lround(x - d));
+  if (!isInside(right, y, column) || right.at<float>(y, column) == range.invalid()) {
+    return false;
+  }
+  return std::abs(d - right.at<float>(y, column)) <= max_difference;
+}
+
+int naiveLabel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+               double max_difference, int y, int x) {
+  const double d = left.at<float>(y, x);
+  if (d != range.invalid() && naiveAgreement(right, range, max_difference, y, x, d)) {
+    return kMatch;
+  }
+  for (int other = range.min; other <= range.max(); ++other) {
+    if (other != d && naiveAgreement(right, range, max_difference, y, x, other)) {
+      return kMismatch;
+    }
+  }
+  return kOcclusion;
+}
+
+/// Quarters of a pixel: exact in float, and halves of columns among them.
+cv::Mat withFractions(cv::Mat disparity, float invalid) {
+  std::mt19937 random(1);
+  for (float& d : cv::Mat_<float>(disparity)) {
+    d += d == invalid ? 0.0F : 0.25F * static_cast<float>(random() % 4);
+  }
+  return disparity;
+}
+
+class LeftRightCheck : public testing::TestWithParam<Case> {};
+
+TEST_P(LeftRightCheck, EqualsNaiveOne) {
+  const auto [shape, view, content] = GetParam();
+  const DisparityRange range = shape.range;
+  for (const bool fractions : {false, true}) {
+    cv::Mat left = makeDisparity(shape, content, 9, 12);
+    cv::Mat right = makeDisparity(shape, content, view == View::kLeft ? 5 : 1, 12);
+    if (fractions) {
+      left = withFractions(left, range.invalid());
+      right = withFractions(right, range.invalid());
+    }
+    for (const float max_difference : {0.0F, 1.0F, 2.5F}) {
+      cv::Mat labels;
+      leftRightCheck(left, right, range, max_difference, labels);
+      expectMap<std::uint8_t>(labels, shape.size(), [&](int y, int x) {
+        return naiveLabel(left, right, range, max_difference, y, x);
+      });
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, LeftRightCheck, allCases());
+
+TEST(LeftRightCheck, TellsOcclusionFromMismatch) {
+  const DisparityRange range{0, 4};
+  const float invalid = range.invalid();
+  cv::Mat left = (cv::Mat_<float>(1, 6) << 0, 0, 2, 1, 2, invalid);
+  const cv::Mat right = (cv::Mat_<float>(1, 6) << 2, invalid, 2, invalid, invalid, invalid);
+  cv::Mat labels;
+  leftRightCheck(left, right, range, 0.0F, labels);
+  const cv::Mat expected = (cv::Mat_<std::uint8_t>(1, 6) << kOcclusion, kOcclusion, kMatch,
+                            kOcclusion, kMatch, kOcclusion);
+  EXPECT_EQ(cv::norm(labels, expected, cv::NORM_INF), 0) << labels;
+  left.at<float>(0, 4) = 1;
+  leftRightCheck(left, right, range, 0.0F, labels);
+  EXPECT_EQ(labels.at<std::uint8_t>(0, 4), kMismatch);
+}
+
+}  // namespace
+}  // namespace cbmv::test

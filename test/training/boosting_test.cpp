@@ -1,0 +1,102 @@
+#include "cbmv_stereo/training/boosting.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "cbmv_stereo/error.h"
+#include "support/random_forest.h"
+
+namespace cbmv::test {
+namespace {
+
+/// Uniform features; a sample is correct with probability 0.9 where feature 2 is above and feature 15
+/// below its middle, else with probability 0.1.
+Samples checkerboard(int count) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  Samples samples;
+  for (int n = 0; n < count; ++n) {
+    for (std::vector<float>& column : samples.features) {
+      column.push_back(uniform(random));
+    }
+    const bool likely = samples.features[2].back() > 0.5F && samples.features[15].back() < 0.5F;
+    samples.labels.push_back(uniform(random) < (likely ? 0.9F : 0.1F) ? 1 : 0);
+  }
+  return samples;
+}
+
+void ignoreProgress(int /*tree*/, double /*log_loss*/) {}
+
+TEST(Boosting, ReachesTheEntropyOfTheData) {
+  BoostingOptions options;
+  options.trees = 12;
+  options.depth = 3;
+  const Forest forest = trainForest(checkerboard(20000), options, ignoreProgress);
+  const double entropy = -0.9 * std::log(0.9) - 0.1 * std::log(0.1);
+  EXPECT_NEAR(forest.provenance.held_out_log_loss, entropy, 0.02);
+  const auto cost = [&](float f2, float f15) {
+    return naiveForestCost(forest, [&](int f) {
+      const float value = f == 2 ? f2 : f == 15 ? f15 : 0.3F;
+      const CodeMap& map = forest.quantizer.maps[f];
+      return std::floor(map.scale * value + map.offset);
+    });
+  };
+  EXPECT_NEAR(cost(0.7F, 0.2F) / 255.0, 0.1, 0.03);
+  EXPECT_NEAR(cost(0.2F, 0.2F) / 255.0, 0.9, 0.03);
+  EXPECT_NEAR(cost(0.7F, 0.8F) / 255.0, 0.9, 0.03);
+}
+
+/// With one level and the whole step, the first tree is the best question of all, and its leaves
+/// are the log-odds of their samples.
+TEST(Boosting, FirstTreeIsTheBestStump) {
+  Samples samples = checkerboard(4000);
+  for (std::size_t n = 0; n < samples.labels.size(); ++n) {
+    samples.labels[n] = samples.features[6][n] > 0.25F ? 1 : 0;
+  }
+  BoostingOptions options;
+  options.trees = 1;
+  options.depth = 1;
+  const Forest forest = trainForest(samples, options, ignoreProgress);
+  const ObliviousTree::Level level = forest.trees[0].levels[0];
+  const CodeMap& map = forest.quantizer.maps[6];
+  EXPECT_EQ(level.feature, 6);
+  EXPECT_NEAR((level.threshold - map.offset) / map.scale, 0.25, 2 / map.scale);
+  EXPECT_LT(forest.trees[0].leaves[0], 0);
+  EXPECT_GT(forest.trees[0].leaves[1], 0);
+}
+
+TEST(Boosting, DoesNotDependOnThreads) {
+  const auto train = [](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
+    BoostingOptions options;
+    options.trees = 5;
+    return trainForest(checkerboard(5000), options, ignoreProgress);
+  };
+  const Forest one = train(1);
+  const Forest four = train(4);
+  for (std::size_t t = 0; t < one.trees.size(); ++t) {
+    EXPECT_EQ(one.trees[t].leaves, four.trees[t].leaves);
+  }
+}
+
+TEST(Boosting, RefusesImpossibleOptions) {
+  const Samples samples = checkerboard(100);
+  const auto train = [&](const auto& change) {
+    BoostingOptions options;
+    change(options);
+    trainForest(samples, options, ignoreProgress);
+  };
+  EXPECT_THROW(train([](BoostingOptions& o) { o.trees = 0; }), Error);
+  EXPECT_THROW(train([](BoostingOptions& o) { o.depth = 9; }), Error);
+  EXPECT_THROW(train([](BoostingOptions& o) { o.learning_rate = 0; }), Error);
+  Samples one_class = samples;
+  std::fill(one_class.labels.begin(), one_class.labels.end(), std::uint8_t{1});
+  EXPECT_THROW(trainForest(one_class, {}, ignoreProgress), Error);
+}
+
+}  // namespace
+}  // namespace cbmv::test

@@ -1,0 +1,93 @@
+#include "cbmv_stereo/volume/volume_builder.h"
+
+#include <cmath>
+
+#include "cbmv_stereo/confidence/row_features.h"
+#include "support/random_forest.h"
+#include "support/random_images.h"
+
+namespace cbmv::test {
+namespace {
+
+MatchingVolume buildVolume(const Shape& shape, const Forest& forest) {
+  MatchingVolume volume;
+  VolumeBuilder().build(makeGrey(shape.size(), Content::kPatches, 1),
+                        makeGrey(shape.size(), Content::kPatches, 2), shape.range, forest,
+                        ForestEvaluator(forest), volume);
+  return volume;
+}
+
+class VolumeBuilderTest : public testing::TestWithParam<Shape> {};
+
+TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
+  const Shape shape = GetParam();
+  const Forest forest = makeForest(30, 6, 5);
+  const MatchingVolume volume = buildVolume(shape, forest);
+  MatcherSet matchers;
+  matchers.prepare(makeGrey(shape.size(), Content::kPatches, 1),
+                   makeGrey(shape.size(), Content::kPatches, 2));
+  RowFeatures features;
+  for (int y = 0; y < shape.height; ++y) {
+    features.prepareRow(matchers, y, shape.width, shape.range);
+    for (int i = 0; i < shape.range.count; ++i) {
+      features.compute(i);
+      for (int x = 0; x < shape.width; ++x) {
+        const int x_right = x - shape.range.min - i;
+        const bool inside = x_right >= 0 && x_right < shape.width;
+        const auto code_of = [&](int f) {
+          const CodeMap& map = forest.quantizer.maps[f];
+          return std::clamp(std::floor(map.scale * features.line(f)[x] + map.offset), 0.0F, 255.0F);
+        };
+        ASSERT_EQ(volume.pixel(y, x)[i], inside ? naiveForestCost(forest, code_of) : kOutsideCost)
+            << "y " << y << " x " << x << " i " << i;
+      }
+    }
+  }
+}
+
+TEST_P(VolumeBuilderTest, RightViewIsShiftedLeftView) {
+  const Shape shape = GetParam();
+  const MatchingVolume left = buildVolume(shape, makeForest(30, 6, 5));
+  MatchingVolume right = left;
+  shiftToRightView(shape.range, right);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      for (int i = 0; i < shape.range.count; ++i) {
+        const int left_x = x + shape.range.min + i;
+        const bool inside = left_x >= 0 && left_x < shape.width;
+        ASSERT_EQ(right.pixel(y, x)[i], inside ? left.pixel(y, left_x)[i] : kOutsideCost);
+      }
+    }
+  }
+}
+
+/// Mirrored images with left and right swapped have the mirrored right view's volume: the forest
+/// does not know which image is which.
+TEST_P(VolumeBuilderTest, SwappingTheImagesGivesTheRightView) {
+  const Shape shape = GetParam();
+  const Forest forest = makeForest(30, 6, 5);
+  MatchingVolume right = buildVolume(shape, forest);
+  shiftToRightView(shape.range, right);
+  cv::Mat mirrored_left;
+  cv::Mat mirrored_right;
+  cv::flip(makeGrey(shape.size(), Content::kPatches, 1), mirrored_left, 1);
+  cv::flip(makeGrey(shape.size(), Content::kPatches, 2), mirrored_right, 1);
+  // Census and the Sobel differences are symmetric to the last bit; the rounding of sums is not
+  // touched as they are of integers.
+  MatchingVolume swapped;
+  VolumeBuilder().build(mirrored_right, mirrored_left, shape.range, forest, ForestEvaluator(forest),
+                        swapped);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      for (int i = 0; i < shape.range.count; ++i) {
+        ASSERT_EQ(swapped.pixel(y, shape.width - 1 - x)[i], right.pixel(y, x)[i])
+            << "y " << y << " x " << x << " i " << i;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, VolumeBuilderTest, testing::ValuesIn(awkwardShapes()));
+
+}  // namespace
+}  // namespace cbmv::test
