@@ -33,8 +33,7 @@ StereoProcessor::StereoProcessor(std::shared_ptr<const Forest> forest, const Ste
                                  bool allow_different_frame_ids)
     : allow_different_frame_ids_(allow_different_frame_ids),
       matcher_(std::move(forest), options),
-      options_(options),
-      tracker_(std::in_place, options.rectification) {}
+      options_(options) {}
 
 void StereoProcessor::setOptions(const StereoOptions& options) {
   const std::lock_guard<std::mutex> lock(new_options_mutex_);
@@ -47,40 +46,40 @@ ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
   const GreyPair images = toGreyPair(messages, topics, allow_different_frame_ids_);
   ProcessedFrame frame;
   frame.geometry = toGeometry(messages, topics);
-
-  StereoOptions options = options_;
-  options.range = clipRange(options_.range, images.left.cols);
-  if (options.range.count != options_.range.count) {
-    frame.range_correction = "disparity_range is " + std::to_string(options_.range.count) +
-                             ", but images on " + topics.left_image + " are only " +
-                             std::to_string(images.left.cols) + " px wide: the disparities " +
-                             rangeText(options.range) + " are used";
+  if (adapted_size_ != images.left.size()) {
+    adaptTo(images.left.size(), topics.left_image);
   }
-  matcher_.setOptions(options);
-  frame.result = matcher_.match(images.left, images.right, trackOffset(images, options.range));
+  const StereoOptions& options = matcher_.options();
+  const VerticalOffset offset =
+      tracker_->update(images.left, images.right, options.range, steadyNow());
+  frame.result = matcher_.match(images.left, images.right, offset);
   frame.left_grey = images.left;
   frame.disparity_step_px = disparityStep(options.range, options.refinement);
+  frame.range_correction = range_correction_;
   return frame;
 }
 
 void StereoProcessor::takeNewOptions() {
-  std::optional<StereoOptions> taken;
-  {
-    const std::lock_guard<std::mutex> lock(new_options_mutex_);
-    taken = std::exchange(new_options_, std::nullopt);
-  }
-  if (taken) {
-    options_ = *taken;
-    tracker_.emplace(options_.rectification);
+  const std::lock_guard<std::mutex> lock(new_options_mutex_);
+  if (new_options_) {
+    options_ = *std::exchange(new_options_, std::nullopt);
+    adapted_size_.reset();
   }
 }
 
-VerticalOffset StereoProcessor::trackOffset(const GreyPair& images, const DisparityRange& range) {
-  if (images.left.size() != tracked_size_) {
-    tracker_->reset();
-    tracked_size_ = images.left.size();
+void StereoProcessor::adaptTo(cv::Size image_size, const std::string& image_topic) {
+  StereoOptions options = options_;
+  options.range = clipRange(options_.range, image_size.width);
+  range_correction_.clear();
+  if (options.range.count != options_.range.count) {
+    range_correction_ = "disparity_range is " + std::to_string(options_.range.count) +
+                        ", but the images on " + image_topic + " are only " +
+                        std::to_string(image_size.width) + " px wide: the disparities " +
+                        rangeText(options.range) + " are used";
   }
-  return tracker_->update(images.left, images.right, range, steadyNow());
+  matcher_.setOptions(options);
+  tracker_.emplace(options.rectification);
+  adapted_size_ = image_size;
 }
 
 }  // namespace cbmv

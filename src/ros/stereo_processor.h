@@ -42,13 +42,14 @@ class StereoProcessor {
 
  private:
   void takeNewOptions();
-  VerticalOffset trackOffset(const GreyPair& images, const DisparityRange& range);
+  void adaptTo(cv::Size image_size, const std::string& image_topic);
 
   const bool allow_different_frame_ids_;
   StereoMatcher matcher_;
   StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
-  std::optional<RectificationTracker> tracker_;  ///< built anew with new options
-  cv::Size tracked_size_;
+  std::optional<RectificationTracker> tracker_;
+  std::optional<cv::Size> adapted_size_;  ///< empty: matcher and tracker do not have options_ yet
+  std::string range_correction_;
 
   std::mutex new_options_mutex_;
   std::optional<StereoOptions> new_options_;
