@@ -1,0 +1,52 @@
+#pragma once
+
+#include <mutex>
+#include <thread>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/rectification/vertical_offset.h"
+
+namespace cbmv {
+
+/// Follows the vertical offset of a stream of pairs without holding the stream up: estimates run on
+/// one background thread. All functions may be called from any thread.
+class RectificationTracker {
+ public:
+  explicit RectificationTracker(const RectificationOptions& options);
+
+  /// Waits for the estimate under way, if any.
+  ~RectificationTracker();
+
+  RectificationTracker(const RectificationTracker&) = delete;
+  RectificationTracker& operator=(const RectificationTracker&) = delete;
+
+  /// Returns the model as it is now, zero until the first estimate is there. Starts an estimate on
+  /// copies of the images when none is under way and the last one was started at least
+  /// options.interval_s before `now_s` (seconds of any clock; a clock that jumps back counts as
+  /// elapsed). Images of another size than before reset the tracker.
+  /// Throws Error when the images differ in size or are not CV_8UC1.
+  VerticalOffset update(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                        double now_s);
+
+  /// Back to the zero model; the estimate under way is dropped, the next pair starts one.
+  void reset();
+
+ private:
+  void resetLocked();
+  void start(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range);
+  void finish(const VerticalOffset& estimate, int generation);
+  void blend(const VerticalOffset& estimate);
+
+  const RectificationOptions options_;
+  std::mutex mutex_;  ///< guards all below
+  std::thread worker_;
+  bool is_running_ = false;
+  bool has_started_ = false;
+  double last_start_s_ = 0.0;
+  int generation_ = 0;  ///< counts resets; tells results of before a reset
+  cv::Size size_;
+  VerticalOffset model_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+
+namespace cbmv {
+
+struct RectificationOptions {
+  bool enabled = true;         ///< false: every estimate is the zero model
+  double max_offset_px = 4.0;  ///< matches are searched at most this many rows away
+  int max_features = 600;      ///< corners of the left image that are matched
+  int min_matches = 40;        ///< fewer consistent matches: no estimate
+  /// A correction whose root mean square over the image is smaller is not made: aliasing alone
+  /// biases sub-pixel offsets by about half of this, and resampling costs sharpness.
+  double min_correction_px = 0.1;
+  double interval_s = 1.0;  ///< RectificationTracker: time from one estimate to the next
+  double smoothing = 0.5;   ///< RectificationTracker: share of the old model, 0 to below 1
+};
+
+/// The vertical misalignment that is left in a rectified pair, as a linear model
+///   dy(x, y) = offset_px + slope_x (x − (W−1)/2) + slope_y (y − (H−1)/2),
+/// dy = row of a point in the right image minus its row in the left image. x is the column of the
+/// point in the RIGHT image and y its row in the LEFT one: exactly what resampling the right image
+/// needs, whatever the disparity.
+struct VerticalOffset {
+  double offset_px = 0.0;
+  double slope_x = 0.0;          ///< px per column
+  double slope_y = 0.0;          ///< px per row
+  double offset_sigma_px = 0.0;  ///< standard deviation of offset_px
+  double residual_px = 0.0;      ///< robust standard deviation of dy about the model
+  int matches = 0;               ///< matches that agree with the model; 0 when there is no estimate
+
+  /// dy in px at column x and row y of images of `size`.
+  double at(double x, double y, cv::Size size) const;
+
+  /// Root mean square of dy over images of `size`, px.
+  double rootMeanSquare(cv::Size size) const;
+
+  /// Makes it the zero model; what is known of the matches stays.
+  void clearCorrection();
+
+  /// Whether the model corrects nothing.
+  bool isZero() const { return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0; }
+};
+
+/// Fits the model to sparse matches between two CV_8UC1 images of one size (design: the authors of
+/// CBMV refine the rectification before matching, their paper does not describe how).
+///
+/// Corners of the left image are searched in the right one at half resolution by normalised
+/// cross-correlation, over the disparities of `range` and the rows allowed by the options, and kept
+/// where the best place is unique; least squares on patches then gives each dy to sub-pixel
+/// precision. Iteratively reweighted least squares (Tukey's biweight) fits the model.
+///
+/// Zero model with matches = 0: options.enabled is false, too few matches agree, or they scatter.
+/// Zero model with matches > 0: the pair is aligned as well as can be measured; the correction
+/// would be smaller than options.min_correction_px or than its uncertainty. Deterministic, one
+/// thread. Throws Error when the images differ in size or are not CV_8UC1.
+VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
+                                      const DisparityRange& range,
+                                      const RectificationOptions& options);
+
+/// Resamples the right image (CV_8UC1 or CV_8UC3) so that matches lie on equal rows: row y of the
+/// result is the right image at row y + dy(x, y), by cubic interpolation along the column; rows
+/// beyond the border repeat it. Returns `right` itself, without a copy, when the model is zero.
+cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model);
+
+}  // namespace cbmv

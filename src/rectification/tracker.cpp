@@ -1,0 +1,91 @@
+#include "cbmv_stereo/rectification/tracker.h"
+
+#include <exception>
+
+#include "sparse_matches.h"
+
+namespace cbmv {
+
+RectificationTracker::RectificationTracker(const RectificationOptions& options)
+    : options_(options) {}
+
+RectificationTracker::~RectificationTracker() {
+  if (worker_.joinable()) {
+    worker_.join();
+  }
+}
+
+VerticalOffset RectificationTracker::update(const cv::Mat& left, const cv::Mat& right,
+                                            const DisparityRange& range, double now_s) {
+  requireGreyPair(left, right);
+  if (!options_.enabled) {
+    return {};
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (left.size() != size_) {
+    resetLocked();
+    size_ = left.size();
+  }
+  const double elapsed_s = now_s - last_start_s_;
+  const bool is_due = !has_started_ || elapsed_s < 0.0 || elapsed_s >= options_.interval_s;
+  if (is_due && !is_running_) {
+    start(left, right, range);
+    last_start_s_ = now_s;
+    has_started_ = true;
+  }
+  return model_;
+}
+
+void RectificationTracker::reset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  resetLocked();
+}
+
+void RectificationTracker::resetLocked() {
+  model_ = {};
+  has_started_ = false;
+  ++generation_;
+}
+
+void RectificationTracker::start(const cv::Mat& left, const cv::Mat& right,
+                                 const DisparityRange& range) {
+  if (worker_.joinable()) {
+    worker_.join();  // has finished: nothing is running
+  }
+  is_running_ = true;
+  worker_ = std::thread(
+      [this, left = left.clone(), right = right.clone(), range, generation = generation_] {
+        VerticalOffset estimate;
+        try {
+          estimate = estimateVerticalOffset(left, right, range, options_);
+        } catch (const std::exception&) {
+          estimate = {};  // out of memory, at worst: the model stays, the next pair may do better
+        }
+        finish(estimate, generation);
+      });
+}
+
+void RectificationTracker::finish(const VerticalOffset& estimate, int generation) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_running_ = false;
+  if (generation == generation_ && estimate.matches > 0) {
+    blend(estimate);
+  }
+}
+
+void RectificationTracker::blend(const VerticalOffset& estimate) {
+  const double share = model_.matches > 0 ? options_.smoothing : 0.0;
+  const auto mix = [share](double old_value, double value) {
+    return share * old_value + (1.0 - share) * value;
+  };
+  const VerticalOffset old = model_;
+  model_ = estimate;
+  model_.offset_px = mix(old.offset_px, estimate.offset_px);
+  model_.slope_x = mix(old.slope_x, estimate.slope_x);
+  model_.slope_y = mix(old.slope_y, estimate.slope_y);
+  if (model_.rootMeanSquare(size_) < options_.min_correction_px) {
+    model_.clearCorrection();
+  }
+}
+
+}  // namespace cbmv

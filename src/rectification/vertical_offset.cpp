@@ -1,0 +1,168 @@
+#include "cbmv_stereo/rectification/vertical_offset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <opencv2/imgproc.hpp>
+
+#include "sparse_matches.h"
+
+namespace cbmv {
+namespace {
+
+constexpr int kMinSide = 32;             // px; smaller images hold no matches worth a fit
+constexpr double kMaxResidual = 0.5;     // px; matches that scatter more tell nothing
+constexpr double kMinConsistent = 0.5;   // part of the matches that must agree with the model
+constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
+constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
+constexpr double kSignificance = 16.27;  // chi-square, 3 degrees of freedom, 99.9 %
+
+/// Columns: 1, x and y in halves of the image, so that all parameters are in px.
+struct LinearFit {
+  Eigen::MatrixX3d design;
+  Eigen::VectorXd dy;
+  Eigen::VectorXd weights;
+  Eigen::Vector3d parameters = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double scale = 0.0;  ///< robust standard deviation of the residuals, px
+
+  Eigen::VectorXd residuals() const { return dy - design * parameters; }
+
+  void solve() {
+    Eigen::Matrix3d normal = design.transpose() * weights.asDiagonal() * design;
+    // Matches in one corner must not send the opposite corner astray.
+    const double prior =
+        std::max(scale * scale, kMinScale * kMinScale) / (kSlopePrior * kSlopePrior);
+    normal(1, 1) += prior;
+    normal(2, 2) += prior;
+    parameters = normal.ldlt().solve(design.transpose() * weights.asDiagonal() * dy);
+    covariance = normal.inverse() * (scale * scale);
+  }
+};
+
+LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& size) {
+  const auto count = static_cast<Eigen::Index>(matches.size());
+  LinearFit fit;
+  fit.design.resize(count, 3);
+  fit.dy.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SparseMatch& match = matches[static_cast<std::size_t>(i)];
+    fit.design.row(i) << 1.0, 2.0 * match.x_right / (size.width - 1) - 1.0,
+        2.0 * match.y_left / (size.height - 1) - 1.0;
+    fit.dy[i] = match.dy;
+  }
+  fit.weights = Eigen::VectorXd::Ones(count);
+  return fit;
+}
+
+/// Standard deviation of a normal distribution with this median of absolute values.
+double robustScale(const Eigen::VectorXd& residuals) {
+  std::vector<double> absolute(static_cast<std::size_t>(residuals.size()));
+  Eigen::VectorXd::Map(absolute.data(), residuals.size()) = residuals.cwiseAbs();
+  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
+  std::nth_element(absolute.begin(), middle, absolute.end());
+  return std::max(1.4826 * *middle, kMinScale);
+}
+
+double huberWeight(double residual) { return 1.345 / std::max(1.345, std::abs(residual)); }
+
+double tukeyWeight(double residual) {
+  const double part = residual / 4.685;
+  return std::abs(part) >= 1.0 ? 0.0 : (1.0 - part * part) * (1.0 - part * part);
+}
+
+/// Huber's weights find the way from the plain mean, Tukey's then drop the wrong matches.
+void fitRobustly(LinearFit& fit) {
+  constexpr int kIterations = 10;
+  const auto reweighted = [&](double (*weight)(double)) {
+    for (int i = 0; i < kIterations; ++i) {
+      fit.solve();
+      const Eigen::VectorXd residuals = fit.residuals();
+      fit.scale = robustScale(residuals);
+      fit.weights = (residuals / fit.scale).unaryExpr(weight);
+    }
+  };
+  reweighted(huberWeight);
+  reweighted(tukeyWeight);
+  fit.solve();
+}
+
+bool isSignificant(const LinearFit& fit) {
+  return fit.parameters.dot(fit.covariance.ldlt().solve(fit.parameters)) > kSignificance;
+}
+
+VerticalOffset toModel(const LinearFit& fit, const cv::Size& size) {
+  VerticalOffset model;
+  model.offset_px = fit.parameters[0];
+  model.slope_x = 2.0 * fit.parameters[1] / (size.width - 1);
+  model.slope_y = 2.0 * fit.parameters[2] / (size.height - 1);
+  model.offset_sigma_px = std::sqrt(fit.covariance(0, 0));
+  model.residual_px = fit.scale;
+  model.matches = static_cast<int>((fit.weights.array() > 0.0).count());
+  return model;
+}
+
+}  // namespace
+
+double VerticalOffset::at(double x, double y, cv::Size size) const {
+  return offset_px + slope_x * (x - 0.5 * (size.width - 1)) +
+         slope_y * (y - 0.5 * (size.height - 1));
+}
+
+double VerticalOffset::rootMeanSquare(cv::Size size) const {
+  const double x = 0.5 * slope_x * (size.width - 1);
+  const double y = 0.5 * slope_y * (size.height - 1);
+  return std::sqrt(offset_px * offset_px + (x * x + y * y) / 3.0);
+}
+
+void VerticalOffset::clearCorrection() {
+  offset_px = 0.0;
+  slope_x = 0.0;
+  slope_y = 0.0;
+}
+
+VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
+                                      const DisparityRange& range,
+                                      const RectificationOptions& options) {
+  requireGreyPair(left, right);
+  if (!options.enabled || std::min(left.cols, left.rows) < kMinSide) {
+    return {};
+  }
+  const std::vector<SparseMatch> matches = findSparseMatches(left, right, range, options);
+  const int min_matches = std::max(options.min_matches, 3);
+  if (static_cast<int>(matches.size()) < min_matches) {
+    return {};
+  }
+  LinearFit fit = linearSystem(matches, left.size());
+  fitRobustly(fit);
+  VerticalOffset model = toModel(fit, left.size());
+  if (model.matches < min_matches || model.residual_px > kMaxResidual ||
+      model.matches < kMinConsistent * static_cast<double>(matches.size())) {
+    return {};
+  }
+  if (!isSignificant(fit) || model.rootMeanSquare(left.size()) < options.min_correction_px) {
+    model.clearCorrection();
+  }
+  return model;
+}
+
+cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model) {
+  if (model.isZero()) {
+    return right;
+  }
+  cv::Mat columns(right.size(), CV_32FC1);
+  cv::Mat rows(right.size(), CV_32FC1);
+  for (int y = 0; y < right.rows; ++y) {
+    for (int x = 0; x < right.cols; ++x) {
+      columns.at<float>(y, x) = static_cast<float>(x);
+      rows.at<float>(y, x) = static_cast<float>(y + model.at(x, y, right.size()));
+    }
+  }
+  cv::Mat aligned;
+  cv::remap(right, aligned, columns, rows, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  return aligned;
+}
+
+}  // namespace cbmv

@@ -1,0 +1,221 @@
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+
+#include <cstdlib>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/middlebury_scene.h"
+#include "support/random_forest.h"
+#include "support/random_images.h"
+#include "support/rendered_scene.h"
+
+namespace cbmv::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::shared_ptr<const Forest> shippedForest(const std::string& name) {
+  return std::make_shared<Forest>(readForest(std::string(CBMV_SOURCE_DIR "/models/") + name));
+}
+
+std::shared_ptr<const Forest> randomForest() {
+  return std::make_shared<Forest>(makeForest(8, 5, 3));
+}
+
+StereoOptions optionsFor(const DisparityRange& range) {
+  StereoOptions options;
+  options.range = range;
+  return options;
+}
+
+bool equal(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() &&
+         (a.empty() || cv::norm(a, b, cv::NORM_INF) == 0);
+}
+
+void expectSame(const StereoResult& a, const StereoResult& b) {
+  EXPECT_TRUE(equal(a.disparity, b.disparity));
+  EXPECT_TRUE(equal(a.right_disparity, b.right_disparity));
+  EXPECT_TRUE(equal(a.labels, b.labels));
+  EXPECT_TRUE(equal(a.confidence, b.confidence));
+}
+
+cv::Mat everywhere(const cv::Mat& like) { return cv::Mat(like.size(), CV_8UC1, cv::Scalar(255)); }
+
+TEST(StereoMatcher, FindsARenderedScene) {
+  const RenderedScene scene = renderScene(320, 240, 1);
+  const StereoOptions options = optionsFor({0, 33});
+  StereoMatcher matcher(shippedForest("middlebury.forest"), options);
+  const StereoResult result = matcher.match(scene.left, scene.right);
+  const float invalid = options.range.invalid();
+  const DisparityError visible =
+      evaluateDisparity(result.disparity, scene.truth, scene.visible, invalid);
+  const DisparityError all =
+      evaluateDisparity(result.disparity, scene.truth, everywhere(scene.truth), invalid);
+  RecordProperty("bad_1", std::to_string(visible.bad_1));
+  EXPECT_LT(visible.bad_1, 2.0);
+  EXPECT_LT(visible.average_px, 0.3);
+  EXPECT_LT(all.bad_1, 6.0);
+  EXPECT_EQ(all.density, 100.0) << "every pixel gets a disparity, the left border too";
+  // A confidence that tells right from wrong: the least confident tenth holds most errors.
+  const cv::Mat wrong = cv::abs(result.disparity - scene.truth) > 1;
+  EXPECT_LT(cv::mean(result.confidence, wrong)[0], 0.7 * cv::mean(result.confidence, ~wrong)[0]);
+}
+
+TEST(StereoMatcher, RemovesAVerticalOffset) {
+  RenderOptions render;
+  render.vertical_offset = 1.2;
+  render.vertical_slope_x = 0.002;
+  const RenderedScene scene = renderScene(320, 240, 2, render);
+  const auto bad_1 = [&](bool refine) {
+    StereoOptions options = optionsFor({0, 33});
+    options.rectification.enabled = refine;
+    StereoMatcher matcher(shippedForest("middlebury.forest"), options);
+    const StereoResult result = matcher.match(scene.left, scene.right);
+    return evaluateDisparity(result.disparity, scene.truth, scene.visible, options.range.invalid())
+        .bad_1;
+  };
+  EXPECT_LT(bad_1(true), 0.5 * bad_1(false));
+  EXPECT_LT(bad_1(true), 3.0);
+}
+
+/// The same scene with the right image moved: all disparities move with it.
+TEST(StereoMatcher, TakesNegativeDisparities) {
+  const RenderedScene scene = renderScene(200, 90, 3);
+  constexpr int kShift = 20;
+  cv::Mat moved;
+  cv::copyMakeBorder(scene.right.colRange(0, scene.right.cols - kShift), moved, 0, 0, kShift, 0,
+                     cv::BORDER_REPLICATE);
+  StereoOptions options = optionsFor({-kShift, 33});
+  options.rectification.enabled = false;
+  StereoMatcher matcher(shippedForest("middlebury.forest"), options);
+  const cv::Mat disparity = matcher.match(scene.left, moved).disparity;
+  cv::Mat mask = scene.visible.clone();
+  mask.colRange(mask.cols - kShift, mask.cols).setTo(0);
+  const DisparityError error =
+      evaluateDisparity(disparity, scene.truth - kShift, mask, options.range.invalid());
+  EXPECT_LT(error.bad_1, 4.0);
+}
+
+TEST(StereoMatcher, GivesWholeResultsForAwkwardShapes) {
+  for (const Shape& shape : awkwardShapes()) {
+    StereoMatcher matcher(randomForest(), optionsFor(shape.range));
+    const StereoResult result = matcher.match(makeGrey(shape.size(), Content::kPatches, 1),
+                                              makeGrey(shape.size(), Content::kPatches, 2));
+    ASSERT_EQ(result.disparity.size(), shape.size());
+    ASSERT_EQ(result.labels.size(), shape.size());
+    ASSERT_EQ(result.confidence.size(), shape.size());
+    for (int y = 0; y < shape.height; ++y) {
+      for (int x = 0; x < shape.width; ++x) {
+        const float d = result.disparity.at<float>(y, x);
+        const float confidence = result.confidence.at<float>(y, x);
+        ASSERT_TRUE(d == shape.range.invalid() ||
+                    (d >= shape.range.min - 0.5F && d <= shape.range.max() + 0.5F))
+            << d << " in " << shape;
+        ASSERT_TRUE(confidence >= 0 && confidence <= 1) << confidence << " in " << shape;
+      }
+    }
+  }
+}
+
+TEST(StereoMatcher, WithoutFillingOnlyMatchesHaveDisparities) {
+  const RenderedScene scene = renderScene(160, 90, 4);
+  StereoOptions options = optionsFor({0, 30});
+  options.refinement.fill_occlusions = false;
+  options.refinement.fill_mismatches = false;
+  StereoMatcher matcher(shippedForest("middlebury.forest"), options);
+  const StereoResult result = matcher.match(scene.left, scene.right);
+  const cv::Mat invalid = result.disparity == options.range.invalid();
+  EXPECT_TRUE(equal(invalid, result.labels != kMatch));
+  EXPECT_GT(cv::countNonZero(invalid), 0);
+}
+
+TEST(StereoMatcher, DoesNotDependOnThreadsNorOnEarlierFrames) {
+  const RenderedScene scene = renderScene(150, 80, 5);
+  const RenderedScene other = renderScene(97, 61, 6);
+  StereoOptions options = optionsFor({-2, 27});
+  options.threads = 1;
+  const StereoResult expected =
+      StereoMatcher(randomForest(), options).match(scene.left, scene.right);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    StereoMatcher matcher(randomForest(), options);
+    matcher.match(other.left, other.right);
+    StereoOptions changed = options;
+    changed.range = {3, 11};
+    matcher.setOptions(changed);
+    matcher.match(other.left, other.right);
+    matcher.setOptions(options);
+    expectSame(matcher.match(scene.left, scene.right), expected);
+  }
+}
+
+TEST(StereoMatcher, TwoWorkSideBySide) {
+  const RenderedScene scene = renderScene(150, 80, 7);
+  StereoMatcher first(randomForest(), optionsFor({0, 20}));
+  StereoMatcher second(randomForest(), optionsFor({-5, 31}));
+  const StereoResult expected_first = first.match(scene.left, scene.right);
+  const StereoResult expected_second = second.match(scene.left, scene.right);
+  StereoResult result_first;
+  std::thread thread([&] { result_first = first.match(scene.left, scene.right); });
+  const StereoResult result_second = second.match(scene.left, scene.right);
+  thread.join();
+  expectSame(result_first, expected_first);
+  expectSame(result_second, expected_second);
+}
+
+TEST(StereoMatcher, RefusesBadImages) {
+  StereoMatcher matcher(randomForest(), optionsFor({0, 8}));
+  const cv::Mat grey(20, 30, CV_8UC1, cv::Scalar(1));
+  const auto refusal = [&](const cv::Mat& left, const cv::Mat& right) -> std::string {
+    try {
+      matcher.match(left, right);
+      return {};
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(refusal(grey, cv::Mat()), HasSubstr("right image is empty"));
+  EXPECT_THAT(refusal(cv::Mat(), grey), HasSubstr("left image is empty"));
+  EXPECT_THAT(refusal(grey, cv::Mat(20, 31, CV_8UC1)), AllOf(HasSubstr("30x20"), HasSubstr("31x20")));
+  EXPECT_THAT(refusal(grey, cv::Mat(20, 30, CV_8UC3)), HasSubstr("grey"));
+  EXPECT_EQ(refusal(grey, grey), "");
+}
+
+TEST(StereoMatcher, RefusesInconsistentOptionsAndKeepsTheOld) {
+  StereoOptions bad = optionsFor({0, 8});
+  bad.sgm.p1 = 20;
+  EXPECT_THROW(StereoMatcher(randomForest(), bad), Error);
+  StereoMatcher matcher(randomForest(), optionsFor({0, 8}));
+  EXPECT_THROW(matcher.setOptions(bad), Error);
+  EXPECT_EQ(matcher.options().sgm.p1, StereoOptions().sgm.p1);
+}
+
+/// Middlebury's Motorcycle by a forest that saw neither Motorcycle nor MotorcycleE. CBMV_DATA names
+/// the folder that holds middlebury_eval3_Q.
+TEST(StereoMatcher, FindsMotorcycle) {
+  const char* data = std::getenv("CBMV_DATA");
+  if (data == nullptr) {
+    GTEST_SKIP() << "CBMV_DATA does not name a folder of data sets";
+  }
+  const StereoScene scene =
+      readMiddleburyScene(std::string(data) + "/middlebury_eval3_Q/Motorcycle");
+  const StereoOptions options = optionsFor({0, scene.calibration.disparities});
+  StereoMatcher matcher(shippedForest("middlebury_without_motorcycle.forest"), options);
+  const DisparityError error =
+      evaluateDisparity(matcher.match(scene.left, scene.right).disparity, scene.truth,
+                        scene.visible, options.range.invalid());
+  RecordProperty("bad_05", std::to_string(error.bad_05));
+  RecordProperty("bad_1", std::to_string(error.bad_1));
+  EXPECT_LT(error.bad_05, 13.0);
+  EXPECT_LT(error.bad_1, 5.5);
+}
+
+}  // namespace
+}  // namespace cbmv::test

@@ -1,0 +1,170 @@
+#include "cbmv_stereo/rectification/tracker.h"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/rendered_scene.h"
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+const DisparityRange kRange{0, 32};
+
+RenderedScene sceneWithOffset(double offset, int width = 251) {
+  RenderOptions options;
+  options.vertical_offset = offset;
+  return renderScene(width, 187, 1, options);
+}
+
+/// Feeds one pair at one time until `is_done(model)`; gives up after some seconds.
+template <typename IsDone>
+VerticalOffset updateUntil(RectificationTracker& tracker, const RenderedScene& scene, double now_s,
+                           IsDone is_done) {
+  VerticalOffset model;
+  for (int i = 0; i < 2000; ++i) {
+    model = tracker.update(scene.left, scene.right, kRange, now_s);
+    if (is_done(model)) {
+      return model;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ADD_FAILURE() << "the model did not change as expected";
+  return model;
+}
+
+bool hasEstimate(const VerticalOffset& model) { return model.matches > 0; }
+
+TEST(RectificationTracker, DeliversTheEstimateAfterAWhile) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  RectificationTracker tracker({});
+  EXPECT_EQ(tracker.update(scene.left, scene.right, kRange, 0.0).matches, 0);
+  const VerticalOffset model = updateUntil(tracker, scene, 0.0, hasEstimate);
+  const VerticalOffset expected = estimateVerticalOffset(scene.left, scene.right, kRange, {});
+  EXPECT_EQ(model.offset_px, expected.offset_px);
+  EXPECT_EQ(model.slope_x, expected.slope_x);
+  EXPECT_EQ(model.matches, expected.matches);
+}
+
+TEST(RectificationTracker, WaitsForTheIntervalAndSmooths) {
+  const RenderedScene first = sceneWithOffset(0.4);
+  const RenderedScene second = sceneWithOffset(1.2);
+  RectificationOptions options;
+  options.interval_s = 2.0;
+  options.smoothing = 0.75;
+  RectificationTracker tracker(options);
+  const VerticalOffset before = updateUntil(tracker, first, 10.0, hasEstimate);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(tracker.update(second.left, second.right, kRange, 11.9).offset_px, before.offset_px);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const VerticalOffset after = updateUntil(tracker, second, 12.0, [&](const VerticalOffset& m) {
+    return m.offset_px != before.offset_px;
+  });
+  EXPECT_NEAR(before.offset_px, 0.4, 0.05);
+  EXPECT_NEAR(after.offset_px, 0.75 * 0.4 + 0.25 * 1.2, 0.05);
+}
+
+TEST(RectificationTracker, PairsWithoutMatchesLeaveTheModel) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));
+  RectificationOptions options;
+  options.interval_s = 0.0;
+  RectificationTracker tracker(options);
+  const VerticalOffset before = updateUntil(tracker, scene, 0.0, hasEstimate);
+  VerticalOffset after;
+  for (int i = 0; i < 50; ++i) {
+    after = tracker.update(grey, grey, kRange, i);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_NEAR(after.offset_px, before.offset_px, 0.02);
+  EXPECT_GT(after.matches, 0);
+}
+
+TEST(RectificationTracker, AnAlignedStreamComesBackToExactlyZero) {
+  RectificationOptions options;
+  options.interval_s = 0.0;
+  RectificationTracker tracker(options);
+  updateUntil(tracker, sceneWithOffset(0.8), 0.0, hasEstimate);
+  updateUntil(tracker, sceneWithOffset(0.0), 1.0,
+              [](const VerticalOffset& m) { return m.matches > 0 && m.isZero(); });
+}
+
+TEST(RectificationTracker, ResetsOnRequestOnOtherSizesAndWhenTheClockJumpsBack) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  const RenderedScene wide = sceneWithOffset(-0.6, 301);
+  RectificationOptions options;
+  options.smoothing = 0.0;
+  RectificationTracker tracker(options);
+  updateUntil(tracker, scene, 100.0, hasEstimate);
+  tracker.reset();
+  EXPECT_EQ(tracker.update(scene.left, scene.right, kRange, 100.0).matches, 0);
+  updateUntil(tracker, scene, 100.0, hasEstimate);
+  EXPECT_EQ(tracker.update(wide.left, wide.right, kRange, 100.0).matches, 0);
+  EXPECT_NEAR(updateUntil(tracker, wide, 100.0, hasEstimate).offset_px, -0.6, 0.05);
+  const RenderedScene other = sceneWithOffset(0.6, 301);
+  updateUntil(tracker, other, 3.0, [](const VerticalOffset& m) { return m.offset_px > 0.5; });
+}
+
+TEST(RectificationTracker, AnEstimateFromBeforeAResetIsDropped) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));
+  RectificationTracker tracker({});
+  tracker.update(scene.left, scene.right, kRange, 0.0);
+  tracker.reset();
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(tracker.update(grey, grey, kRange, 0.0).matches, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+TEST(RectificationTracker, DisabledItNeverCorrects) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  RectificationOptions options;
+  options.enabled = false;
+  RectificationTracker tracker(options);
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_EQ(tracker.update(scene.left, scene.right, kRange, i).matches, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+TEST(RectificationTracker, RefusesOtherImages) {
+  const cv::Mat grey = cv::Mat::zeros(40, 40, CV_8UC1);
+  RectificationTracker tracker({});
+  EXPECT_THROW(tracker.update(grey, grey.rowRange(0, 30), kRange, 0.0), Error);
+  EXPECT_THROW(tracker.update(grey, cv::Mat::zeros(40, 40, CV_8UC3), kRange, 0.0), Error);
+}
+
+TEST(RectificationTracker, ServesSeveralThreads) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  RectificationOptions options;
+  options.interval_s = 0.0;
+  RectificationTracker tracker(options);
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 100; ++i) {
+        const VerticalOffset model = tracker.update(scene.left, scene.right, kRange, i);
+        wrong += model.matches > 0 && std::abs(model.offset_px - 0.8) > 0.05 ? 1 : 0;
+        if (t == 0 && i % 25 == 24) {
+          tracker.reset();
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,194 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// A synthetic rectified pair with exact ground truth.
+struct RenderedScene {
+  cv::Mat left;     ///< CV_8UC1
+  cv::Mat right;    ///< CV_8UC1
+  cv::Mat truth;    ///< CV_32FC1: disparity of the left image, px, exact, known everywhere
+  cv::Mat visible;  ///< CV_8UC1: 255 where both cameras see the point, else 0
+};
+
+struct RenderOptions {
+  double noise_sigma = 1.0;       ///< grey levels, independent in both images
+  double right_gain = 0.97;       ///< brightness of the right image = gain · left + offset
+  double right_offset = 3.0;      ///< grey levels
+  double vertical_offset = 0.0;   ///< px: row in the right image minus row in the left one, at the
+                                  ///< image centre
+  double vertical_slope_x = 0.0;  ///< px more per column of the right image
+  double vertical_slope_y = 0.0;  ///< px more per row of the left image
+};
+
+namespace rendered {
+
+/// Band-limited brightness: a sum of waves of random directions, 4 to 30 px long.
+class Texture {
+ public:
+  explicit Texture(cv::RNG& rng) {
+    for (Wave& wave : waves_) {
+      const double length = 4.0 * std::pow(7.5, rng.uniform(0.0, 1.0));
+      const double direction = rng.uniform(0.0, 2.0 * CV_PI);
+      wave.x = 2.0 * CV_PI / length * std::cos(direction);
+      wave.y = 2.0 * CV_PI / length * std::sin(direction);
+      wave.phase = rng.uniform(0.0, 2.0 * CV_PI);
+    }
+    mean_ = rng.uniform(100.0, 150.0);
+  }
+
+  double at(double x, double y) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_) {
+      sum += std::sin(wave.x * x + wave.y * y + wave.phase);
+    }
+    return mean_ + 9.0 * sum;
+  }
+
+ private:
+  struct Wave {
+    double x, y, phase;
+  };
+  std::array<Wave, 16> waves_;
+  double mean_ = 0.0;
+};
+
+/// A textured piece of a plane. Shape, disparity and texture are functions of left coordinates.
+struct Surface {
+  enum class Shape { kEverywhere, kRectangle, kDisc };
+
+  Shape shape;
+  cv::Point2d center;    ///< px
+  cv::Size2d half_size;  ///< px; for a disc, the width is the radius
+  double disparity;      ///< at the centre, px
+  double slope_x;        ///< px of disparity a column, below 1
+  double slope_y;        ///< px of disparity a row
+  Texture texture;
+
+  double disparityAt(double x, double y) const {
+    return disparity + slope_x * (x - center.x) + slope_y * (y - center.y);
+  }
+
+  bool contains(double x, double y) const {
+    const double u = std::abs(x - center.x);
+    const double v = std::abs(y - center.y);
+    switch (shape) {
+      case Shape::kRectangle:
+        return u <= half_size.width && v <= half_size.height;
+      case Shape::kDisc:
+        return std::hypot(u, v) <= half_size.width;
+      default:
+        return true;
+    }
+  }
+
+  /// The left column that lands at column `x_right`, on a row of the left image.
+  double leftColumn(double x_right, double y) const {
+    const double at_center_column = disparity - slope_x * center.x + slope_y * (y - center.y);
+    return (x_right + at_center_column) / (1.0 - slope_x);
+  }
+};
+
+/// A slanted background of about 2 to 5 px of disparity and six objects before it, up to 25 px.
+inline std::vector<Surface> surfaces(int width, int height, int seed) {
+  cv::RNG rng(static_cast<uint64_t>(seed) + 1);
+  const cv::Point2d middle(0.5 * (width - 1), 0.5 * (height - 1));
+  std::vector<Surface> all = {
+      {Surface::Shape::kEverywhere, middle, {}, 3.5, 1.5 / width, 1.5 / height, Texture(rng)}};
+  constexpr int kObjects = 6;
+  for (int i = 0; i < kObjects; ++i) {
+    const bool slanted = i % 3 == 2;
+    const double size = rng.uniform(0.08, 0.18) * std::min(width, height);
+    const cv::Point2d center(rng.uniform(0.15, 0.85) * width, rng.uniform(0.15, 0.85) * height);
+    const double slope_x = slanted ? rng.uniform(-1.5, 1.5) / size : 0.0;
+    const double slope_y = slanted ? rng.uniform(-1.5, 1.5) / size : 0.0;
+    all.push_back({i % 2 == 0 ? Surface::Shape::kRectangle : Surface::Shape::kDisc, center,
+                   cv::Size2d(size, size * rng.uniform(0.6, 1.4)), rng.uniform(8.0, 22.0), slope_x,
+                   slope_y, Texture(rng)});
+  }
+  return all;
+}
+
+/// The nearest surface, where `column(surface)` is the left column at which a ray meets it.
+template <typename Column>
+const Surface& nearest(const std::vector<Surface>& all, double y, Column column) {
+  const Surface* best = &all.front();
+  for (const Surface& surface : all) {
+    const double x = column(surface);
+    if (surface.contains(x, y) &&
+        surface.disparityAt(x, y) >= best->disparityAt(column(*best), y)) {
+      best = &surface;
+    }
+  }
+  return *best;
+}
+
+inline const Surface& seenByRight(const std::vector<Surface>& all, double x_right, double y) {
+  return nearest(all, y, [&](const Surface& surface) { return surface.leftColumn(x_right, y); });
+}
+
+inline void addNoise(cv::Mat& image, double sigma, int seed) {
+  cv::Mat noise(image.size(), CV_64FC1);
+  cv::RNG(static_cast<uint64_t>(seed)).fill(noise, cv::RNG::NORMAL, 0.0, sigma);
+  image += noise;
+}
+
+inline cv::Mat rightImage(const std::vector<Surface>& all, const cv::Size& size,
+                          const RenderOptions& options) {
+  cv::Mat image(size, CV_64FC1);
+  // dy = base + vertical_slope_y · row of the left image, solved for that row.
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double base = options.vertical_offset +
+                          options.vertical_slope_x * (x - 0.5 * (size.width - 1)) -
+                          options.vertical_slope_y * 0.5 * (size.height - 1);
+      const double y_left = (y - base) / (1.0 + options.vertical_slope_y);
+      const Surface& surface = seenByRight(all, x, y_left);
+      const double brightness = surface.texture.at(surface.leftColumn(x, y_left), y_left);
+      image.at<double>(y, x) = options.right_gain * brightness + options.right_offset;
+    }
+  }
+  return image;
+}
+
+}  // namespace rendered
+
+/// Renders a scene of textured planes: a slanted background (about 2 to 5 px of disparity) and six
+/// rectangles and discs before it (about 6 to 25 px), two of them slanted. Both images sample one
+/// continuous texture, so that `truth` is exact. The same arguments give the same scene.
+/// With a vertical offset, `truth` and `visible` are those of the aligned pair.
+inline RenderedScene renderScene(int width, int height, int seed,
+                                 const RenderOptions& options = {}) {
+  const cv::Size size(width, height);
+  const std::vector<rendered::Surface> all = rendered::surfaces(width, height, seed);
+  cv::Mat left(size, CV_64FC1);
+  RenderedScene scene;
+  scene.truth.create(size, CV_32FC1);
+  scene.visible.create(size, CV_8UC1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const rendered::Surface& surface =
+          rendered::nearest(all, y, [&](const rendered::Surface&) { return double(x); });
+      const double disparity = surface.disparityAt(x, y);
+      const double x_right = x - disparity;
+      const bool visible = x_right >= 0.0 && x_right <= width - 1 &&
+                           &rendered::seenByRight(all, x_right, y) == &surface;
+      left.at<double>(y, x) = surface.texture.at(x, y);
+      scene.truth.at<float>(y, x) = static_cast<float>(disparity);
+      scene.visible.at<uchar>(y, x) = visible ? 255 : 0;
+    }
+  }
+  cv::Mat right = rendered::rightImage(all, size, options);
+  rendered::addNoise(left, options.noise_sigma, 2 * seed + 1);
+  rendered::addNoise(right, options.noise_sigma, 2 * seed + 2);
+  left.convertTo(scene.left, CV_8U);
+  right.convertTo(scene.right, CV_8U);
+  return scene;
+}
+
+}  // namespace cbmv
