@@ -33,23 +33,25 @@ void publishShared(const image_transport::Publisher& publisher, sensor_msgs::Ima
 
 }  // namespace
 
-StereoNodelet::~StereoNodelet() {
-  // First whatever calls back, then the worker that the callbacks feed, then what it publishes
-  // with.
-  config_server_.reset();
-  silence_timer_.stop();
-  color_subscriber_.shutdown();
-  inputs_.reset();
-  worker_.reset();
-}
+StereoNodelet::~StereoNodelet() { stop(); }
 
 void StereoNodelet::onInit() {
   try {
     initialize();
   } catch (const std::exception& error) {
     NODELET_FATAL("cannot start: %s", error.what());
+    stop();  // nodelet::Loader frees the callback queues before it frees a nodelet that threw
     throw;
   }
+}
+
+void StereoNodelet::stop() {
+  // First whatever calls back, then the worker that the callbacks feed.
+  config_server_.reset();
+  silence_timer_.stop();
+  color_subscriber_.shutdown();
+  inputs_.reset();
+  worker_.reset();
 }
 
 void StereoNodelet::initialize() {

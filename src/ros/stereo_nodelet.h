@@ -35,6 +35,7 @@ class StereoNodelet : public nodelet::Nodelet {
   /// Throws Error, after having logged it as fatal, if the nodelet cannot work as configured.
   void onInit() override;
   void initialize();
+  void stop();
   StereoOptions readOptions();
   std::shared_ptr<const Forest> loadForest();
   void advertise();

@@ -138,7 +138,7 @@ TEST(Color, AllEncodingsGiveTheSame) {
   for (const auto& [encoding, code] :
        {std::pair("bgr8", -1), std::pair("rgb8", +cv::COLOR_BGR2RGB),
         std::pair("bgra8", +cv::COLOR_BGR2BGRA), std::pair("rgba8", +cv::COLOR_BGR2RGBA)}) {
-    cv::Mat sent = bgr;
+    cv::Mat sent = bgr.clone();
     if (code >= 0) {
       cv::cvtColor(bgr, sent, code);
     }

@@ -57,7 +57,7 @@ class StereoClient {
     right_info_ = nh_.advertise<sensor_msgs::CameraInfo>("right/camera_info", 20);
     color_ = nh_.advertise<sensor_msgs::Image>("left/image_rect_color", 20);
     log_ = nh_.subscribe<rosgraph_msgs::Log>(
-        "/rosout_agg", 1000, [this](const boost::shared_ptr<const rosgraph_msgs::Log>& entry) {
+        "/rosout", 1000, [this](const boost::shared_ptr<const rosgraph_msgs::Log>& entry) {
           log_entries_.push_back(*entry);
         });
   }
