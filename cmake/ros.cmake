@@ -1,0 +1,14 @@
+# The library `cbmv_stereo_nodelets` (conversions and nodelet) and the program `cbmv_stereo_node`.
+file(GLOB ros_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/ros/*.cpp)
+list(FILTER ros_sources EXCLUDE REGEX "_node\\.cpp$")
+
+add_library(cbmv_stereo_nodelets SHARED ${ros_sources})
+target_include_directories(cbmv_stereo_nodelets PRIVATE ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(cbmv_stereo_nodelets SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_link_libraries(cbmv_stereo_nodelets PUBLIC cbmv ${catkin_LIBRARIES})
+add_dependencies(cbmv_stereo_nodelets ${${PROJECT_NAME}_EXPORTED_TARGETS}
+                 ${catkin_EXPORTED_TARGETS})
+
+add_executable(cbmv_stereo_node ${PROJECT_SOURCE_DIR}/src/ros/cbmv_stereo_node.cpp)
+target_include_directories(cbmv_stereo_node SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+target_link_libraries(cbmv_stereo_node PRIVATE ${catkin_LIBRARIES})

@@ -1,0 +1,44 @@
+# Tests of the ROS side. test/ros/NAME_test.cpp need no master and become plain programs;
+# test/ros/stereo_rostest.cpp is run by rostest against the node and against the nodelet.
+find_package(rostest REQUIRED)
+
+function(cbmv_link_ros_test target)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets GTest::gtest)
+  add_dependencies(tests ${target})
+endfunction()
+
+file(GLOB ros_test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/ros/*_test.cpp)
+foreach(test_source ${ros_test_sources})
+  get_filename_component(test_name ${test_source} NAME_WE)
+  add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
+  cbmv_link_ros_test(${test_name})
+  target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
+  set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  gtest_discover_tests(${test_name} DISCOVERY_MODE PRE_TEST)
+endforeach()
+
+# The forest of the node under test; nothing here depends on a trained one.
+set(CBMV_TEST_FOREST ${PROJECT_BINARY_DIR}/test/fixture.forest)
+add_executable(write_forest_fixture EXCLUDE_FROM_ALL
+               ${PROJECT_SOURCE_DIR}/test/ros/write_forest_fixture.cpp)
+target_include_directories(write_forest_fixture PRIVATE ${PROJECT_SOURCE_DIR}/test)
+target_link_libraries(write_forest_fixture PRIVATE cbmv)
+set_target_properties(write_forest_fixture PROPERTIES
+                      RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
+                   COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/test
+                   COMMAND write_forest_fixture ${CBMV_TEST_FOREST})
+add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
+
+# rostest looks for the program where catkin puts programs.
+add_executable(stereo_rostest EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/stereo_rostest.cpp)
+cbmv_link_ros_test(stereo_rostest)
+target_compile_definitions(stereo_rostest PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}")
+target_link_libraries(stereo_rostest PRIVATE ${catkin_LIBRARIES})
+add_dependencies(tests forest_fixture cbmv_stereo_node)
+foreach(form node nodelet)
+  set(launch_file ${PROJECT_BINARY_DIR}/test/stereo_${form}.test)
+  configure_file(${PROJECT_SOURCE_DIR}/test/ros/stereo_${form}.test.in ${launch_file} @ONLY)
+  add_rostest(${launch_file} DEPENDENCIES stereo_rostest forest_fixture cbmv_stereo_node)
+endforeach()

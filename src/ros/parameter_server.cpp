@@ -1,0 +1,109 @@
+#include "ros/parameter_server.h"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include <dynamic_reconfigure/Config.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+
+namespace cbmv {
+namespace {
+
+/// The list of dynamic_reconfigure::Config that holds parameters of type Value.
+template <typename Value>
+auto& listOf(dynamic_reconfigure::Config& message) {
+  if constexpr (std::is_same_v<Value, bool>) {
+    return message.bools;
+  } else if constexpr (std::is_same_v<Value, int>) {
+    return message.ints;
+  } else {
+    return message.doubles;
+  }
+}
+
+/// Calls use(entry) with the entry of `message` that has the name and type of `parameter`; the
+/// entry has the members name and value.
+template <typename Use>
+void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter, const Use& use) {
+  std::visit(
+      [&](auto value) {
+        auto& list = listOf<decltype(value)>(message);
+        const auto entry = std::find_if(list.begin(), list.end(), [&](const auto& candidate) {
+          return candidate.name == parameter.name;
+        });
+        if (entry == list.end()) {
+          throw Error("cfg/Stereo.cfg has no parameter '" + parameter.name +
+                      "' of the type that the table of parameters gives it");
+        }
+        use(*entry, value);
+      },
+      parameter.default_value);
+}
+
+/// Whether two values are the same to the core, which keeps real numbers as float.
+template <typename Value>
+bool sameValue(Value a, Value b) {
+  if constexpr (std::is_same_v<Value, double>) {
+    return static_cast<float>(a) == static_cast<float>(b);
+  }
+  return a == b;
+}
+
+std::string text(const ParameterValue& value) {
+  std::ostringstream stream;
+  std::visit([&](auto number) { stream << std::boolalpha << number; }, value);
+  return stream.str();
+}
+
+}  // namespace
+
+void applyConfig(const cbmv_stereo::StereoConfig& config, StereoOptions& options) {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  for (const Parameter& parameter : stereoParameters()) {
+    withEntry(message, parameter, [&](const auto& entry, auto value) {
+      parameter.set(options, static_cast<decltype(value)>(entry.value));
+    });
+  }
+}
+
+void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config) {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  for (const Parameter& parameter : stereoParameters()) {
+    withEntry(message, parameter, [&](auto& entry, auto value) {
+      const auto written = std::get<decltype(value)>(parameter.get(options));
+      if (!sameValue(static_cast<decltype(value)>(entry.value), written)) {
+        entry.value = written;
+      }
+    });
+  }
+  config.__fromMessage__(message);
+}
+
+std::vector<std::string> offerParameters(const StereoOptions& options,
+                                         ros::NodeHandle& private_nh) {
+  std::vector<std::string> differences;
+  for (const Parameter& parameter : stereoParameters()) {
+    std::visit(
+        [&](auto default_value) {
+          const auto value = std::get<decltype(default_value)>(parameter.get(options));
+          auto present = value;
+          if (private_nh.getParam(parameter.name, present)) {
+            if (!sameValue(present, value)) {
+              differences.push_back(private_nh.resolveName(parameter.name) + " = " + text(present) +
+                                    " is on the parameter server and wins over " + text(value));
+            }
+          } else if (!sameValue(value, default_value)) {
+            private_nh.setParam(parameter.name, value);
+          }
+        },
+        parameter.default_value);
+  }
+  return differences;
+}
+
+}  // namespace cbmv

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <ros/node_handle.h>
+
+#include "cbmv_stereo/pipeline/options.h"
+#include <cbmv_stereo/StereoConfig.h>
+
+// StereoOptions and the parameters of cfg/Stereo.cfg, matched by name through stereoParameters().
+
+namespace cbmv {
+
+/// Sets every parameter of `options` from `config`. Throws Error if a name of the table is not in
+/// cfg/Stereo.cfg, or a value is refused (dynamic_reconfigure does not clamp NaN).
+void applyConfig(const cbmv_stereo::StereoConfig& config, StereoOptions& options);
+
+/// The opposite direction: writes every parameter of `options` into `config`.
+void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config);
+
+/// Makes `options` (from a preset) the parameters' values on the parameter server, except where
+/// there already is one: that one is explicit and wins. Returns one sentence for each that differs.
+std::vector<std::string> offerParameters(const StereoOptions& options, ros::NodeHandle& private_nh);
+
+}  // namespace cbmv

@@ -1,0 +1,85 @@
+#include "ros/stereo_processor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace cbmv {
+namespace {
+
+double steadyNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string rangeText(const DisparityRange& range) {
+  return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
+}
+
+}  // namespace
+
+DisparityRange clipRange(const DisparityRange& range, int image_width) {
+  const int lowest = std::max(range.min, 1 - image_width);
+  const int highest = std::min(range.max(), image_width - 1);
+  if (lowest > highest) {
+    throw InputError(InputFault::kDisparityRange,
+                     "the disparities " + rangeText(range) + " lie outside of images " +
+                         std::to_string(image_width) +
+                         " px wide; min_disparity and disparity_range have to leave some inside");
+  }
+  return {lowest, highest - lowest + 1};
+}
+
+StereoProcessor::StereoProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options,
+                                 bool allow_different_frame_ids)
+    : allow_different_frame_ids_(allow_different_frame_ids),
+      matcher_(std::move(forest), options),
+      options_(options) {}
+
+void StereoProcessor::setOptions(const StereoOptions& options) {
+  const std::lock_guard<std::mutex> lock(new_options_mutex_);
+  new_options_ = options;
+}
+
+ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
+                                        const StereoTopics& topics) {
+  takeNewOptions();
+  const GreyPair images = toGreyPair(messages, topics, allow_different_frame_ids_);
+  ProcessedFrame frame;
+  frame.geometry = toGeometry(messages, topics);
+  if (adapted_size_ != images.left.size()) {
+    adaptTo(images.left.size(), topics.left_image);
+  }
+  const StereoOptions& options = matcher_.options();
+  const VerticalOffset offset =
+      tracker_->update(images.left, images.right, options.range, steadyNow());
+  frame.result = matcher_.match(images.left, images.right, offset);
+  frame.left_grey = images.left;
+  frame.disparity_step_px = disparityStep(options.range, options.refinement);
+  frame.range_correction = range_correction_;
+  return frame;
+}
+
+void StereoProcessor::takeNewOptions() {
+  const std::lock_guard<std::mutex> lock(new_options_mutex_);
+  if (new_options_) {
+    options_ = *std::exchange(new_options_, std::nullopt);
+    adapted_size_.reset();
+  }
+}
+
+void StereoProcessor::adaptTo(cv::Size image_size, const std::string& image_topic) {
+  StereoOptions options = options_;
+  options.range = clipRange(options_.range, image_size.width);
+  range_correction_.clear();
+  if (options.range.count != options_.range.count) {
+    range_correction_ = "disparity_range is " + std::to_string(options_.range.count) +
+                        ", but the images on " + image_topic + " are only " +
+                        std::to_string(image_size.width) + " px wide: the disparities " +
+                        rangeText(options.range) + " are used";
+  }
+  matcher_.setOptions(options);
+  tracker_.emplace(options.rectification);
+  adapted_size_ = image_size;
+}
+
+}  // namespace cbmv

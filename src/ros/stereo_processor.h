@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "ros/conversions.h"
+
+#include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/rectification/tracker.h"
+
+namespace cbmv {
+
+/// What comes of one set of input messages.
+struct ProcessedFrame {
+  cv::Mat left_grey;  ///< CV_8UC1; may share the memory of the left image's message
+  StereoGeometry geometry;
+  StereoResult result;
+  double disparity_step_px = 0;
+  std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
+};
+
+/// The disparities of `range` that have a match in images of that width. Throws InputError if there
+/// are none.
+DisparityRange clipRange(const DisparityRange& range, int image_width);
+
+/// The method on a stream of messages: checks and converts, tracks the vertical offset, matches.
+class StereoProcessor {
+ public:
+  /// Throws Error if the options are inconsistent.
+  StereoProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options,
+                  bool allow_different_frame_ids);
+
+  /// From the next frame on; may be called while a frame is processed. The options have to be
+  /// consistent (correctOptions).
+  void setOptions(const StereoOptions& options);
+
+  /// One frame at a time. Throws InputError if the messages do not fit.
+  ProcessedFrame process(const StereoMessages& messages, const StereoTopics& topics);
+
+ private:
+  void takeNewOptions();
+  void adaptTo(cv::Size image_size, const std::string& image_topic);
+
+  const bool allow_different_frame_ids_;
+  StereoMatcher matcher_;
+  StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
+  std::optional<RectificationTracker> tracker_;
+  std::optional<cv::Size> adapted_size_;  ///< empty: matcher and tracker do not have options_ yet
+  std::string range_correction_;
+
+  std::mutex new_options_mutex_;
+  std::optional<StereoOptions> new_options_;
+};
+
+}  // namespace cbmv

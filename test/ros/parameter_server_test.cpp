@@ -1,0 +1,98 @@
+#include "ros/parameter_server.h"
+
+#include <limits>
+#include <map>
+
+#include <dynamic_reconfigure/Config.h>
+#include <gtest/gtest.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+
+namespace cbmv {
+namespace {
+
+using cbmv_stereo::StereoConfig;
+
+/// Names and values of a configuration.
+std::map<std::string, ParameterValue> valuesOf(const StereoConfig& config) {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  std::map<std::string, ParameterValue> values;
+  for (const auto& entry : message.bools) {
+    values[entry.name] = static_cast<bool>(entry.value);
+  }
+  for (const auto& entry : message.ints) {
+    values[entry.name] = static_cast<int>(entry.value);
+  }
+  for (const auto& entry : message.doubles) {
+    values[entry.name] = entry.value;
+  }
+  return values;
+}
+
+double number(const ParameterValue& value) {
+  return std::visit([](auto v) { return static_cast<double>(v); }, value);
+}
+
+TEST(StereoConfig, IsTheTableOfParameters) {
+  const auto defaults = valuesOf(StereoConfig::__getDefault__());
+  const auto lowest = valuesOf(StereoConfig::__getMin__());
+  const auto highest = valuesOf(StereoConfig::__getMax__());
+  EXPECT_EQ(defaults.size(), stereoParameters().size());
+  for (const Parameter& parameter : stereoParameters()) {
+    SCOPED_TRACE(parameter.name);
+    ASSERT_EQ(defaults.count(parameter.name), 1U);
+    const ParameterValue& value = defaults.at(parameter.name);
+    EXPECT_EQ(value.index(), parameter.default_value.index());
+    EXPECT_FLOAT_EQ(number(value), number(parameter.default_value));
+    if (!std::holds_alternative<bool>(value)) {
+      EXPECT_EQ(number(lowest.at(parameter.name)), parameter.lowest);
+      EXPECT_EQ(number(highest.at(parameter.name)), parameter.highest);
+    }
+  }
+}
+
+TEST(StereoConfig, DescribesEveryParameter) {
+  for (const auto& description : StereoConfig::__getParamDescriptions__()) {
+    EXPECT_FALSE(description->description.empty()) << description->name;
+  }
+}
+
+TEST(ApplyConfig, SetsEveryParameter) {
+  for (const Parameter& parameter : stereoParameters()) {
+    StereoOptions wanted;
+    if (std::holds_alternative<bool>(parameter.default_value)) {
+      parameter.set(wanted, !std::get<bool>(parameter.default_value));
+    } else if (std::holds_alternative<int>(parameter.default_value)) {
+      parameter.set(wanted, static_cast<int>(parameter.highest));
+    } else {
+      parameter.set(wanted, parameter.highest);
+    }
+    auto config = StereoConfig::__getDefault__();
+    writeConfig(wanted, config);
+    StereoOptions applied;
+    applyConfig(config, applied);
+    EXPECT_EQ(describeOptions(applied), describeOptions(wanted)) << parameter.name;
+    EXPECT_NE(describeOptions(applied), describeOptions(StereoOptions())) << parameter.name;
+  }
+}
+
+TEST(ApplyConfig, RefusesWhatIsNotANumber) {
+  auto config = StereoConfig::__getDefault__();
+  config.P2 = std::numeric_limits<double>::quiet_NaN();
+  StereoOptions options;
+  EXPECT_THROW(applyConfig(config, options), Error);
+}
+
+TEST(WriteConfig, KeepsValuesAsTheyWereTyped) {
+  auto config = StereoConfig::__getDefault__();
+  config.P1 = 1.7;
+  StereoOptions options;
+  applyConfig(config, options);
+  writeConfig(options, config);
+  EXPECT_EQ(config.P1, 1.7);  // and not the float next to it
+}
+
+}  // namespace
+}  // namespace cbmv

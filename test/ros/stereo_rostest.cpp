@@ -1,0 +1,590 @@
+// Run by stereo_node.test and stereo_nodelet.test: everything the running node promises, seen from
+// outside, against the core called in this process.
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+
+#include <gtest/gtest.h>
+#include <nodelet/loader.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ros/forest_fixture.h"
+#include "ros/stereo_client.h"
+
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+
+namespace cbmv {
+namespace {
+
+const cv::Size kSize(125, 81);
+constexpr int kFarPx = 4;
+constexpr int kNearPx = 9;
+
+/// Small, and the same at every run: the vertical offset is estimated from one pair only.
+StereoOptions testOptions() {
+  StereoOptions options;
+  options.range = {0, 16};
+  options.rectification.enabled = false;
+  return options;
+}
+
+/// What the core finds, with the vertical offset that the node reports.
+StereoResult expectedResult(const StereoPair& pair, const StereoOptions& options,
+                            const VerticalOffset& offset = {}) {
+  StereoMatcher matcher(std::make_shared<const Forest>(makeForestFixture()), options);
+  return matcher.match(pair.left, pair.right, offset);
+}
+
+/// The bytes of a message's image as a matrix.
+cv::Mat asMat(const sensor_msgs::Image& message, int type) {
+  return cv::Mat(static_cast<int>(message.height), static_cast<int>(message.width), type,
+                 const_cast<std::uint8_t*>(message.data.data()), message.step);
+}
+
+void expectImageFields(const sensor_msgs::Image& message, const PairMessages& sent,
+                       const std::string& encoding, std::uint32_t bytes_per_pixel) {
+  EXPECT_EQ(message.header.stamp, sent.left_image->header.stamp);
+  EXPECT_EQ(message.header.frame_id, sent.left_image->header.frame_id);
+  EXPECT_EQ(message.encoding, encoding);
+  EXPECT_EQ(message.width, sent.left_image->width);
+  EXPECT_EQ(message.height, sent.left_image->height);
+  EXPECT_EQ(message.step, bytes_per_pixel * message.width);
+  EXPECT_EQ(message.is_bigendian, 0);
+  ASSERT_EQ(message.data.size(), static_cast<std::size_t>(message.step) * message.height);
+}
+
+void expectDisparity(const stereo_msgs::DisparityImage& message, const PairMessages& sent,
+                     const StereoResult& expected, const Rig& rig) {
+  const double offset = rig.cx_left_px - rig.cx_right_px;
+  const DisparityRange& range = expected.range;
+  EXPECT_EQ(message.header.stamp, sent.left_image->header.stamp);
+  EXPECT_EQ(message.header.frame_id, sent.left_image->header.frame_id);
+  expectImageFields(message.image, sent, "32FC1", 4);
+  EXPECT_EQ(message.f, static_cast<float>(rig.focal_length_px));
+  EXPECT_EQ(message.T, static_cast<float>(rig.baseline_m));
+  EXPECT_EQ(message.min_disparity, static_cast<float>(range.min - offset));
+  EXPECT_EQ(message.max_disparity, static_cast<float>(range.max() - offset));
+  EXPECT_GT(message.delta_d, 0.0F);
+  EXPECT_LT(message.delta_d, 1.0F / 16);
+  EXPECT_EQ(message.valid_window.x_offset, static_cast<unsigned>(std::max(0, range.min)));
+  EXPECT_EQ(message.valid_window.x_offset + message.valid_window.width,
+            static_cast<unsigned>(kSize.width + std::min(0, range.max())));
+  EXPECT_EQ(message.valid_window.y_offset, 0U);
+  EXPECT_EQ(message.valid_window.height, static_cast<unsigned>(kSize.height));
+  EXPECT_FALSE(message.valid_window.do_rectify);
+
+  const cv::Mat published = asMat(message.image, CV_32FC1);
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const float d = expected.disparity.at<float>(y, x);
+      const float wanted =
+          d == range.invalid() ? message.min_disparity - 1 : static_cast<float>(d - offset);
+      ASSERT_EQ(published.at<float>(y, x), wanted) << "at " << x << ", " << y;
+    }
+  }
+}
+
+void expectCloud(const sensor_msgs::PointCloud2& cloud, const PairMessages& sent,
+                 const StereoResult& expected, const Rig& rig, const cv::Mat& bgr) {
+  EXPECT_EQ(cloud.header.stamp, sent.left_image->header.stamp);
+  EXPECT_EQ(cloud.header.frame_id, sent.left_image->header.frame_id);
+  EXPECT_EQ(cloud.width, static_cast<unsigned>(kSize.width));
+  EXPECT_EQ(cloud.height, static_cast<unsigned>(kSize.height));
+  EXPECT_EQ(cloud.point_step, 32U);
+  EXPECT_EQ(cloud.row_step, 32U * kSize.width);
+  EXPECT_FALSE(cloud.is_bigendian);
+  EXPECT_FALSE(cloud.is_dense);
+  ASSERT_EQ(cloud.data.size(), static_cast<std::size_t>(32 * kSize.area()));
+  ASSERT_EQ(cloud.fields.size(), 4U);
+  std::string layout;
+  for (const auto& field : cloud.fields) {
+    layout += field.name + "@" + std::to_string(field.offset) + " ";
+    EXPECT_EQ(field.datatype, sensor_msgs::PointField::FLOAT32);
+    EXPECT_EQ(field.count, 1U);
+  }
+  EXPECT_EQ(layout, "x@0 y@4 z@8 rgb@16 ");
+
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const std::uint8_t* bytes = &cloud.data[y * cloud.row_step + x * 32];
+      std::array<float, 3> point;
+      std::memcpy(point.data(), bytes, sizeof(point));
+      const float found = expected.disparity.at<float>(y, x);
+      const double d = found - (rig.cx_left_px - rig.cx_right_px);
+      if (found == expected.range.invalid() || d <= 0) {
+        ASSERT_TRUE(std::isnan(point[0]) && std::isnan(point[1]) && std::isnan(point[2]));
+      } else {
+        const double z = rig.focal_length_px * rig.baseline_m / d;
+        ASSERT_FLOAT_EQ(point[0],
+                        static_cast<float>((x - rig.cx_left_px) * z / rig.focal_length_px));
+        ASSERT_FLOAT_EQ(point[1], static_cast<float>((y - rig.cy_px) * z / rig.focal_length_px));
+        ASSERT_FLOAT_EQ(point[2], static_cast<float>(z));
+      }
+      ASSERT_EQ(cv::Vec3b(bytes[16], bytes[17], bytes[18]), bgr.at<cv::Vec3b>(y, x));
+      ASSERT_EQ(bytes[19], 0);
+    }
+  }
+}
+
+void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages& sent,
+                          const StereoResult& expected) {
+  expectImageFields(message, sent, "bgr8", 3);
+  const cv::Mat published = asMat(message, CV_8UC3);
+  cv::Mat levels(1, 256, CV_8UC1);
+  std::iota(levels.begin<uchar>(), levels.end<uchar>(), 0);
+  cv::Mat map;
+  cv::applyColorMap(levels, map, cv::COLORMAP_TURBO);
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const float d = expected.disparity.at<float>(y, x);
+      cv::Vec3b wanted(0, 0, 0);
+      if (d != expected.range.invalid()) {
+        const double share = (d - expected.range.min) / (expected.range.count - 1.0);
+        wanted = map.at<cv::Vec3b>(0, cv::saturate_cast<uchar>(255 * share));
+      }
+      // One level of rounding apart is not seen.
+      ASSERT_LE(cv::norm(published.at<cv::Vec3b>(y, x), wanted, cv::NORM_INF), 12);
+    }
+  }
+}
+
+class StereoTopics : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    options_ = client_.setOptions(testOptions());
+    client_.subscribeAll();
+    ASSERT_TRUE(waitFor([&] { return client_.inputsAreWanted() && client_.colorIsWanted(); }));
+    ASSERT_TRUE(waitFor([&] { return client_.allConnected(); }));
+  }
+
+  PairMessages makeGoodMessages() { return makeMessages(pair_, rig_, ros::Time::now()); }
+
+  bool waitForOutputs(ros::Time stamp) {
+    return waitFor([&] { return client_.allHave(stamp); });
+  }
+
+  /// Sends the pair and compares every field of every output.
+  void expectOutputsOf(const StereoResult& expected) {
+    const PairMessages sent = makeGoodMessages();
+    client_.publish(sent);
+    ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+    cv::Mat grey;
+    cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+    expectAll(sent, expected, grey);
+  }
+
+  void expectAll(const PairMessages& sent, const StereoResult& expected, const cv::Mat& color) {
+    const ros::Time stamp = sent.left_image->header.stamp;
+    expectDisparity(client_.disparity.at(stamp), sent, expected, rig_);
+    expectCloud(client_.points.at(stamp), sent, expected, rig_, color);
+    const sensor_msgs::Image& confidence = client_.confidence.at(stamp);
+    expectImageFields(confidence, sent, "32FC1", 4);
+    EXPECT_EQ(cv::norm(asMat(confidence, CV_32FC1), expected.confidence, cv::NORM_INF), 0);
+    expectDisparityColor(client_.disparity_color.at(stamp), sent, expected);
+  }
+
+  /// The pair that follows a bad one has to come out right.
+  void expectAlive() { expectOutputsOf(expectedResult(pair_, options_)); }
+
+  std::uint64_t badInputsSoFar() {
+    const PairMessages sent = makeGoodMessages();
+    client_.publish(sent);
+    EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+    return client_.status.at(sent.left_image->header.stamp).dropped_bad_input;
+  }
+
+  /// Sends what `spoil` makes of a good pair: it has to be dropped with a warning that holds
+  /// `words`, and be counted.
+  void expectDropped(const std::function<void(PairMessages&)>& spoil,
+                     const std::vector<std::string>& words) {
+    const std::uint64_t before = badInputsSoFar();
+    PairMessages messages = makeGoodMessages();
+    spoil(messages);
+    client_.publish(messages);
+    EXPECT_TRUE(client_.waitForWarning(words)) << "no warning with '" << words.front() << "'";
+    expectAlive();
+    EXPECT_EQ(badInputsSoFar(), before + 1);
+    EXPECT_FALSE(client_.disparity.has(messages.left_image->header.stamp));
+  }
+
+  StereoClient client_;
+  StereoPair pair_ = renderPair(kSize, kFarPx, kNearPx);
+  Rig rig_;
+  StereoOptions options_;
+};
+
+TEST_F(StereoTopics, EveryFieldOfEveryOutputIsTheCores) {
+  const StereoResult expected = expectedResult(pair_, options_);
+  int right = 0;  // guards against comparing nonsense with nonsense
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      right += std::abs(expected.disparity.at<float>(y, x) - pair_.disparity.at<int>(y, x)) < 1;
+    }
+  }
+  EXPECT_GT(right, 0.85 * kSize.area());
+  expectOutputsOf(expected);
+}
+
+TEST_F(StereoTopics, InvalidPixelsAreMarked) {
+  StereoOptions options = testOptions();
+  options.refinement.fill_occlusions = false;
+  options.refinement.fill_mismatches = false;
+  options_ = client_.setOptions(options);
+  const StereoResult expected = expectedResult(pair_, options_);
+  EXPECT_GT(cv::countNonZero(expected.disparity == expected.range.invalid()), 0);
+  expectOutputsOf(expected);
+}
+
+TEST_F(StereoTopics, NegativeDisparities) {
+  pair_ = renderPair(kSize, -5, 3);
+  StereoOptions options = testOptions();
+  options.range = {-8, 16};
+  options_ = client_.setOptions(options);
+  expectOutputsOf(expectedResult(pair_, options_));
+}
+
+TEST_F(StereoTopics, VergedRig) {
+  rig_.cx_right_px = 68;  // matched disparities are 5.5 px less than those of parallel cameras
+  expectOutputsOf(expectedResult(pair_, options_));
+  const PairMessages sent = makeGoodMessages();
+  client_.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  const auto& cloud = client_.points.at(sent.left_image->header.stamp);
+  float z = 0;
+  std::memcpy(&z, &cloud.data[40 * cloud.row_step + 62 * 32 + 8], sizeof(z));
+  EXPECT_NEAR(z, 120 * 0.25 / (kNearPx + 5.5), 0.1);
+}
+
+TEST_F(StereoTopics, RectificationIsRefined) {
+  cv::Mat shifted;
+  const cv::Mat one_row_down = (cv::Mat_<double>(2, 3) << 1, 0, 0, 0, 1, 1);
+  cv::warpAffine(pair_.right, shifted, one_row_down, kSize, cv::INTER_NEAREST,
+                 cv::BORDER_REPLICATE);
+  pair_.right = shifted;
+  StereoOptions options = testOptions();
+  options.rectification.enabled = true;
+  options_ = client_.setOptions(options);
+
+  // Estimates run beside the stream: the model takes effect a few frames after the first one.
+  PairMessages sent;
+  ros::Time stamp;
+  ASSERT_TRUE(waitFor([&] {
+    sent = makeGoodMessages();
+    stamp = sent.left_image->header.stamp;
+    client_.publish(sent);
+    return waitForOutputs(stamp) && client_.status.at(stamp).vertical_offset_matches > 0;
+  }));
+  const cbmv_stereo::Status& status = client_.status.at(stamp);
+  EXPECT_NEAR(status.vertical_offset_px, 1, 0.1);
+  EXPECT_GT(status.vertical_offset_sigma_px, 0);
+  EXPECT_GT(status.vertical_offset_residual_px, 0);
+
+  VerticalOffset offset;
+  offset.offset_px = status.vertical_offset_px;
+  offset.slope_x = status.vertical_offset_slope_x;
+  offset.slope_y = status.vertical_offset_slope_y;
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_, offset), grey);
+}
+
+TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
+  const StereoResult expected = expectedResult(pair_, options_);
+  cv::Mat bgr(kSize, CV_8UC3);
+  cv::randu(bgr, 0, 256);
+  for (const auto& [encoding, code] :
+       {std::pair("bgr8", -1), std::pair("rgb8", +cv::COLOR_BGR2RGB),
+        std::pair("bgra8", +cv::COLOR_BGR2BGRA), std::pair("rgba8", +cv::COLOR_BGR2RGBA)}) {
+    SCOPED_TRACE(encoding);
+    cv::Mat color = bgr.clone();
+    if (code >= 0) {
+      cv::cvtColor(bgr, color, code);
+    }
+    const PairMessages sent = makeGoodMessages();
+    client_.publishColor(makeImage(color, encoding, sent.left_image->header));
+    waitFor([] { return false; }, 0.2);  // colour is taken only if it is there
+    client_.publish(sent);
+    ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+    expectAll(sent, expected, bgr);
+  }
+}
+
+TEST_F(StereoTopics, CloudStaysGreyWithUnusableColour) {
+  const PairMessages sent = makeGoodMessages();
+  client_.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
+  waitFor([] { return false; }, 0.2);
+  client_.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), grey);
+  EXPECT_TRUE(client_.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
+}
+
+TEST_F(StereoTopics, StatusDescribesTheFrame) {
+  const PairMessages first = makeGoodMessages();
+  client_.publish(first);
+  ASSERT_TRUE(waitForOutputs(first.left_image->header.stamp));
+  const PairMessages second = makeGoodMessages();
+  client_.publish(second);
+  ASSERT_TRUE(waitForOutputs(second.left_image->header.stamp));
+  const cbmv_stereo::Status& before = client_.status.at(first.left_image->header.stamp);
+  const cbmv_stereo::Status& status = client_.status.at(second.left_image->header.stamp);
+  EXPECT_EQ(status.header.frame_id, "left_camera");
+  EXPECT_EQ(status.frames_processed, before.frames_processed + 1);
+  EXPECT_EQ(status.frames_dropped,
+            status.dropped_busy + status.dropped_bad_input + status.dropped_failed);
+  EXPECT_EQ(status.frames_dropped, before.frames_dropped);
+  EXPECT_EQ(status.dropped_failed, 0U);
+  for (const double stage :
+       {status.volume_ms, status.aggregation_ms, status.sgm_ms, status.refinement_ms}) {
+    EXPECT_GT(stage, 0);
+    EXPECT_LE(stage, status.total_ms);
+  }
+  EXPECT_GE(status.rectification_ms, 0);
+  EXPECT_GT(status.age_ms, status.total_ms);
+  EXPECT_LT(status.age_ms, 10000);
+  EXPECT_EQ(status.vertical_offset_px, 0);
+  EXPECT_EQ(status.vertical_offset_slope_x, 0);
+  EXPECT_EQ(status.vertical_offset_slope_y, 0);
+  EXPECT_EQ(status.vertical_offset_sigma_px, 0);
+  EXPECT_EQ(status.vertical_offset_residual_px, 0);
+  EXPECT_EQ(status.vertical_offset_matches, 0);
+  EXPECT_EQ(status.forest, "fixture.forest");
+  EXPECT_GE(status.threads, 1);
+}
+
+TEST_F(StereoTopics, NewestFrameWins) {
+  const cbmv_stereo::Status before = [&] {
+    const PairMessages sent = makeGoodMessages();
+    client_.publish(sent);
+    EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+    return client_.status.at(sent.left_image->header.stamp);
+  }();
+  constexpr int kFrames = 15;
+  const ros::Time first = ros::Time::now();
+  ros::Time last;
+  for (int i = 0; i < kFrames; ++i) {
+    last = first + ros::Duration(0.001 * i);
+    client_.publish(makeMessages(pair_, rig_, last));
+  }
+  ASSERT_TRUE(waitForOutputs(last)) << "the newest frame was dropped";
+  const cbmv_stereo::Status& status = client_.status.at(last);
+  EXPECT_EQ(
+      status.frames_processed - before.frames_processed + status.dropped_busy - before.dropped_busy,
+      static_cast<std::uint64_t>(kFrames));
+  EXPECT_GT(status.dropped_busy, before.dropped_busy);
+}
+
+TEST_F(StereoTopics, DropsBadInputWithAWarningAndLives) {
+  const std::string left = "/stereo/left/image_rect";
+  const std::string right = "/stereo/right/image_rect";
+  expectDropped(
+      [](PairMessages& m) {
+        m.right_image =
+            makeImage(cv::Mat(60, 125, CV_8UC1, cv::Scalar(7)), "mono8", m.right_image->header);
+      },
+      {left, right, "125 x 81", "125 x 60"});
+  expectDropped([](PairMessages& m) { m.right_image->encoding = "8UC1"; },
+                {left, right, "'mono8'", "'8UC1'"});
+  expectDropped([](PairMessages& m) { m.right_image->header.frame_id = "other"; },
+                {left, right, "'left_camera'", "'other'"});
+  expectDropped([](PairMessages& m) { m.left_image->width = m.right_image->width = 0; },
+                {left, "empty"});
+  expectDropped([](PairMessages& m) { m.right_image->data.resize(10); },
+                {right, "10 bytes", "10125"});
+  expectDropped([](PairMessages& m) { m.left_image->encoding = m.right_image->encoding = "odd"; },
+                {left, "'odd'"});
+  expectDropped([](PairMessages& m) { m.right_info->P.assign(0); },
+                {"/stereo/right/camera_info", "P[0]"});
+  expectDropped([](PairMessages& m) { m.left_info->width = 640; },
+                {"/stereo/left/camera_info", "640 x 81"});
+}
+
+TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
+  StereoOptions options = testOptions();
+  options.range.count = 200;
+  client_.setOptions(options);
+  options.range.count = kSize.width;
+  expectOutputsOf(expectedResult(pair_, options));
+  EXPECT_TRUE(client_.waitForWarning({"disparity_range is 200", "125 px"}));
+
+  options.range = {200, 16};
+  client_.setOptions(options);
+  client_.publish(makeGoodMessages());
+  EXPECT_TRUE(client_.waitForWarning({"200 ... 215 px", "125 px"}));
+  options_ = client_.setOptions(testOptions());
+  expectAlive();
+}
+
+TEST_F(StereoTopics, ParametersAreCorrectedAndTheCorrectionIsReported) {
+  StereoOptions options = testOptions();
+  options.sgm.p1 = 5;
+  options.sgm.p2 = 2;
+  options.refinement.median_size_px = 4;
+  options_ = client_.setOptions(options);
+  EXPECT_EQ(describeOptions(options_), [&] {
+    correctOptions(options);
+    return describeOptions(options);
+  }());
+  EXPECT_LE(options_.sgm.p1, options_.sgm.p2);
+  EXPECT_TRUE(client_.waitForWarning({"P1", "P2"}));
+  EXPECT_TRUE(client_.waitForWarning({"median_size"}));
+  expectAlive();
+}
+
+TEST(LazySubscription, InputsAreSubscribedOnlyWhileAnOutputIs) {
+  StereoClient client;
+  client.setOptions(testOptions());  // the node is up
+  EXPECT_FALSE(waitFor([&] { return client.anyInputIsWanted(); }, 1));
+  ros::NodeHandle nh;
+  client.withEach([&](auto& output, const std::string& topic) {
+    SCOPED_TRACE(topic);
+    output.subscribe(nh, topic);
+    EXPECT_TRUE(waitFor([&] { return client.inputsAreWanted(); }));
+    EXPECT_EQ(waitFor([&] { return client.colorIsWanted(); }, 0.5), topic == "points2");
+    output.unsubscribe();
+    EXPECT_TRUE(waitFor([&] { return !client.anyInputIsWanted(); }));
+  });
+}
+
+/// A nodelet in this process, with topics and parameters in a namespace of its own.
+class LocalNodelet {
+ public:
+  explicit LocalNodelet(const std::string& name_space)
+      : name_("/" + name_space + "/cbmv_stereo"), parameters_(name_), loader_(false) {
+    parameters_.setParam("forest", CBMV_TEST_FOREST);
+  }
+  ~LocalNodelet() { parameters_.deleteParam(name_); }
+
+  ros::NodeHandle& parameters() { return parameters_; }
+  bool load() { return loader_.load(name_, "cbmv_stereo/stereo", {}, {}); }
+  bool unload() { return loader_.unload(name_); }
+
+ private:
+  std::string name_;
+  ros::NodeHandle parameters_;
+  nodelet::Loader loader_;
+};
+
+TEST(Startup, ForestIsRequired) {
+  const std::string damaged = CBMV_TEST_FOREST ".damaged";
+  std::ofstream(damaged) << "this is not a forest";
+  for (const std::string& path : {std::string(), std::string("/nonexistent/a.forest"), damaged}) {
+    LocalNodelet nodelet("forest_test");
+    nodelet.parameters().setParam("forest", path);
+    EXPECT_FALSE(nodelet.load()) << path;
+  }
+  LocalNodelet nodelet("forest_test");
+  EXPECT_TRUE(nodelet.load());
+}
+
+TEST(Startup, NodeWithoutForestExitsWithAnError) {
+  const pid_t child = fork();
+  if (child == 0) {
+    execlp("rosrun", "rosrun", "cbmv_stereo", "cbmv_stereo_node", "__name:=no_forest",
+           "_forest:=/nonexistent/a.forest", nullptr);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+}
+
+TEST(Startup, PresetYieldsToExplicitParameters) {
+  const std::string preset = CBMV_TEST_FOREST ".yaml";
+  std::ofstream(preset) << "P1: 3\nsgm_iterations: 1\nsubpixel: false\n";
+  LocalNodelet nodelet("preset_test");
+  nodelet.parameters().setParam("preset", preset);
+  nodelet.parameters().setParam("sgm_iterations", 3);
+  ASSERT_TRUE(nodelet.load());
+  double p1 = 0;
+  int iterations = 0;
+  bool subpixel = true;
+  EXPECT_TRUE(nodelet.parameters().getParam("P1", p1));
+  EXPECT_TRUE(nodelet.parameters().getParam("sgm_iterations", iterations));
+  EXPECT_TRUE(nodelet.parameters().getParam("subpixel", subpixel));
+  EXPECT_EQ(p1, 3);
+  EXPECT_EQ(iterations, 3);
+  EXPECT_FALSE(subpixel);
+}
+
+TEST(Startup, RefusesBadPrivateParameters) {
+  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1)}) {
+    LocalNodelet nodelet("bad_parameter_test");
+    nodelet.parameters().setParam(name, value);
+    EXPECT_FALSE(nodelet.load()) << name;
+  }
+}
+
+/// Publishes a pair to the inputs of a namespace until its disparity comes back.
+bool disparityComesBack(const std::string& name_space,
+                        const std::function<void(PairMessages&)>& change) {
+  ros::NodeHandle nh(name_space);
+  auto left_image = nh.advertise<sensor_msgs::Image>("left/image_rect", 5);
+  auto left_info = nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 5);
+  auto right_image = nh.advertise<sensor_msgs::Image>("right/image_rect", 5);
+  auto right_info = nh.advertise<sensor_msgs::CameraInfo>("right/camera_info", 5);
+  Collector<stereo_msgs::DisparityImage> disparity;
+  disparity.subscribe(nh, "disparity");
+  return waitFor(
+      [&] {
+        PairMessages messages =
+            makeMessages(renderPair(kSize, kFarPx, kNearPx), {}, ros::Time::now());
+        change(messages);
+        left_image.publish(messages.left_image);
+        left_info.publish(messages.left_info);
+        right_image.publish(messages.right_image);
+        right_info.publish(messages.right_info);
+        waitFor([] { return false; }, 0.1);
+        return disparity.count() > 0;
+      },
+      4);
+}
+
+TEST(Synchronisation, CloseStampsNeedApproximateSync) {
+  const auto delay_right = [](PairMessages& messages) {
+    messages.right_image->header.stamp += ros::Duration(0.002);
+    messages.right_info->header.stamp += ros::Duration(0.002);
+  };
+  for (const bool approximate : {false, true}) {
+    LocalNodelet nodelet("sync_test");
+    nodelet.parameters().setParam("approximate_sync", approximate);
+    ASSERT_TRUE(nodelet.load());
+    EXPECT_EQ(disparityComesBack("sync_test", delay_right), approximate);
+  }
+}
+
+TEST(FrameIds, MayDifferIfAllowed) {
+  LocalNodelet nodelet("frame_id_test");
+  nodelet.parameters().setParam("allow_different_frame_ids", true);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(disparityComesBack("frame_id_test", [](PairMessages& messages) {
+    messages.right_image->header.frame_id = "right_camera";
+  }));
+}
+
+TEST(Shutdown, UnloadsWhileAFrameIsInWork) {
+  for (int round = 0; round < 5; ++round) {
+    LocalNodelet nodelet("unload_test");
+    nodelet.parameters().setParam("disparity_range", 64);
+    ASSERT_TRUE(nodelet.load());
+    ASSERT_TRUE(disparityComesBack("unload_test", [](PairMessages&) {}));
+    EXPECT_TRUE(nodelet.unload());
+  }
+}
+
+}  // namespace
+}  // namespace cbmv
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "stereo_rostest");
+  const ros::NodeHandle keeps_ros_alive;
+  return RUN_ALL_TESTS();
+}
