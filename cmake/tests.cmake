@@ -1,6 +1,6 @@
-# test/STAGE/NAME_test.cpp becomes the program NAME_test with one ctest entry a case.
+# test/STAGE/NAME_test.cpp becomes the program NAME_test and one entry of ctest (an entry a case
+# would load OpenCV a thousand times).
 find_package(GTest REQUIRED)
-include(GoogleTest)
 enable_testing()
 
 if(NOT TARGET tests)
@@ -16,7 +16,7 @@ foreach(test_source ${test_sources})
   target_link_libraries(${test_name} PRIVATE cbmv TBB::tbb GTest::gtest GTest::gtest_main gmock)
   add_dependencies(tests ${test_name})
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
-  gtest_discover_tests(${test_name} DISCOVERY_MODE PRE_TEST)
+  add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
 if(CBMV_BUILD_ROS AND CATKIN_ENABLE_TESTING)
   include(cmake/ros_tests.cmake)

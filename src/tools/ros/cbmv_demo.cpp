@@ -9,11 +9,13 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <cbmv_stereo/Status.h>
+#include <opencv2/imgproc.hpp>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
 #include "../run_tool.h"
+#include "ros/conversions.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
@@ -22,7 +24,7 @@
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/io/preview.h"
-#include "ros/conversions.h"
+#include <cbmv_stereo/Status.h>
 
 namespace cbmv {
 namespace {
@@ -60,8 +62,8 @@ void makeBag(const MakeBagArguments& arguments) {
     bag.write("/stereo/right/camera_info", header.stamp, pair.right_info);
   }
   bag.close();
-  std::printf("wrote %s: %d frames of %dx%d at %g Hz\n", arguments.output.c_str(),
-              arguments.frames, left.cols, left.rows, arguments.rate_hz);
+  std::printf("wrote %s: %d frames of %dx%d at %g Hz\n", arguments.output.c_str(), arguments.frames,
+              left.cols, left.rows, arguments.rate_hz);
 }
 
 void render(const std::string& folder) {
@@ -160,8 +162,25 @@ void printError(const char* pixels, const DisparityError& error) {
 }
 
 struct ReportArguments {
-  std::string bag, truth, calibration, output;
+  std::string bag, left, truth, calibration, output;
 };
+
+/// Writes the pictures of a recording and, side by side at half size, left image, disparity and
+/// confidence.
+void writePictures(const Recording& recording, const RecordedDisparity& disparity,
+                   const ReportArguments& arguments) {
+  const cv::Mat disparity_picture =
+      colorizeDisparity(disparity.values, disparity.lowest, disparity.highest, disparity.invalid);
+  const cv::Mat confidence_picture = colorizeConfidence(fromFloatImage(*recording.confidence));
+  writeImage(arguments.output + "/disparity.png", disparity_picture);
+  writeImage(arguments.output + "/confidence.png", confidence_picture);
+  cv::Mat overview;
+  cv::hconcat(
+      std::vector<cv::Mat>{readColorImage(arguments.left), disparity_picture, confidence_picture},
+      overview);
+  cv::resize(overview, overview, {}, 0.5, 0.5, cv::INTER_AREA);
+  writeImage(arguments.output + "/overview.png", overview);
+}
 
 void report(const ReportArguments& arguments) {
   const Recording recording = readRecording(arguments.bag);
@@ -172,20 +191,18 @@ void report(const ReportArguments& arguments) {
   printRate(recording);
   printTimes(recording);
   std::printf("error of the last frame against the ground truth:\n");
-  printError("non-occluded", evaluateDisparity(disparity.values, truth, visibleInBoth(truth),
-                                               disparity.invalid));
-  printError("all", evaluateDisparity(disparity.values, truth,
-                                      cv::Mat(truth.size(), CV_8UC1, cv::Scalar(255)),
-                                      disparity.invalid));
+  printError("non-occluded",
+             evaluateDisparity(disparity.values, truth, visibleInBoth(truth), disparity.invalid));
+  printError("all",
+             evaluateDisparity(disparity.values, truth,
+                               cv::Mat(truth.size(), CV_8UC1, cv::Scalar(255)), disparity.invalid));
   const std::string folder = arguments.output + "/";
   writePfm(folder + "disparity.pfm", disparity.values);
-  writeImage(folder + "disparity.png",
-             colorizeDisparity(disparity.values, disparity.lowest, disparity.highest,
-                               disparity.invalid));
-  writeImage(folder + "confidence.png", colorizeConfidence(fromFloatImage(*recording.confidence)));
+  writePictures(recording, disparity, arguments);
   writePly(folder + "cloud.ply", fromPointCloud(*recording.points));
   std::printf("files:\n");
-  for (const char* name : {"disparity.png", "confidence.png", "disparity.pfm", "cloud.ply"}) {
+  for (const char* name :
+       {"overview.png", "disparity.png", "confidence.png", "disparity.pfm", "cloud.ply"}) {
     std::printf("  %s%s\n", folder.c_str(), name);
   }
 }
@@ -209,14 +226,13 @@ int main(int argc, char** argv) {
   make_bag->add_option("--calibration", bag.calibration, "calib.txt as Middlebury v3 has it")
       ->required();
   make_bag->add_option("--output", bag.output, "The bag to write")->required();
-  make_bag->add_option("--frames", bag.frames)->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  make_bag->add_option("--rate-hz", bag.rate_hz)->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  make_bag->add_option("--frames", bag.frames)->check(CLI::Range(1, 100000))->capture_default_str();
+  make_bag->add_option("--rate-hz", bag.rate_hz)->check(CLI::PositiveNumber)->capture_default_str();
 
   cbmv::ReportArguments recorded;
   CLI::App* report = app.add_subcommand("report", "Shows what a node made of such a bag");
   report->add_option("bag", recorded.bag, "Bag recorded from the node")->required();
+  report->add_option("--left", recorded.left, "Left image file of the pair")->required();
   report->add_option("--truth", recorded.truth, "PFM file of the true left disparities")
       ->required();
   report->add_option("--calibration", recorded.calibration, "calib.txt of the pair")->required();
