@@ -6,7 +6,31 @@
 namespace cbmv {
 namespace {
 
-constexpr int kBlock = 512;  // hypotheses whose sums and leaf numbers stay in the first-level cache
+/// Hypotheses that are evaluated together. Their codes are copied into an array of this size, so that
+/// all loops have a constant length and vectorise.
+constexpr int kBlock = 64;
+using Block = std::array<std::uint8_t, kBlock>;
+using CodeBlock = std::array<Block, kFeatureCount>;
+
+/// Sets `bit` of each number where the code reaches the threshold. Kept out of line: gcc 12 merges
+/// the loops of two levels otherwise, and then vectorises neither.
+[[gnu::noinline]] void answerQuestion(const Block& code, std::uint8_t threshold, std::uint8_t bit,
+                                      Block& numbers) {
+  for (int i = 0; i < kBlock; ++i) {
+    numbers[i] = static_cast<std::uint8_t>(numbers[i] | (code[i] >= threshold ? bit : 0));
+  }
+}
+
+/// Number of the leaf that each hypothesis falls into.
+Block leafNumbers(const ObliviousTree& tree, const CodeBlock& codes) {
+  Block numbers{};
+  std::uint8_t bit = 1;
+  for (const ObliviousTree::Level& level : tree.levels) {
+    answerQuestion(codes[level.feature], level.threshold, bit, numbers);
+    bit = static_cast<std::uint8_t>(2 * bit);
+  }
+  return numbers;
+}
 
 std::uint8_t costOfLogOdds(double log_odds) {
   return static_cast<std::uint8_t>(std::lround(255.0 / (1.0 + std::exp(log_odds))));
@@ -26,34 +50,21 @@ ForestEvaluator::ForestEvaluator(const Forest& forest) : trees_(forest.trees) {
   }
 }
 
-void ForestEvaluator::accumulate(const ObliviousTree& tree,
-                                 const std::array<const std::uint8_t*, kFeatureCount>& codes,
-                                 int first, int count, std::int32_t* sums) const {
-  std::array<std::uint8_t, kBlock> leaf_numbers;
-  std::fill_n(leaf_numbers.begin(), count, std::uint8_t{0});
-  int bit = 1;
-  for (const ObliviousTree::Level& level : tree.levels) {
-    const std::uint8_t* code = codes[level.feature] + first;
-    const std::uint8_t threshold = level.threshold;
-    const auto mask = static_cast<std::uint8_t>(bit);
-    for (int i = 0; i < count; ++i) {
-      leaf_numbers[i] |= code[i] >= threshold ? mask : std::uint8_t{0};
-    }
-    bit *= 2;
-  }
-  for (int i = 0; i < count; ++i) {
-    sums[i] += tree.leaves[leaf_numbers[i]];
-  }
-}
-
 void ForestEvaluator::evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes,
                                int count, std::uint8_t* costs) const {
+  CodeBlock code_block{};
   std::array<std::int32_t, kBlock> sums;
   for (int first = 0; first < count; first += kBlock) {
     const int block = std::min(kBlock, count - first);
-    std::fill_n(sums.begin(), block, -lowest_sum_);
+    for (int f = 0; f < kFeatureCount; ++f) {
+      std::copy_n(codes[f] + first, block, code_block[f].begin());
+    }
+    sums.fill(-lowest_sum_);
     for (const ObliviousTree& tree : trees_) {
-      accumulate(tree, codes, first, block, sums.data());
+      const Block numbers = leafNumbers(tree, code_block);
+      for (int i = 0; i < kBlock; ++i) {
+        sums[i] += tree.leaves[numbers[i]];
+      }
     }
     for (int i = 0; i < block; ++i) {
       costs[first + i] = cost_of_sum_[sums[i]];

@@ -48,7 +48,7 @@ class KeyValueFile {
 
   /// [f 0 cx; 0 f cy; 0 0 1], row by row.
   std::vector<double> cameraMatrix(const std::string& key) const {
-    const std::vector<double> read = numbers(key);
+    std::vector<double> read = numbers(key);
     if (read.size() != 9 || !(read[0] > 0.0)) {
       fail(key, "must be a camera matrix [f 0 cx; 0 f cy; 0 0 1] with f above 0");
     }

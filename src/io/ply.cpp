@@ -10,8 +10,8 @@ void writePly(const std::string& path, const std::vector<ColoredPoint>& points) 
                         "\nproperty float x\nproperty float y\nproperty float z\n"
                         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
                         "end_header\n";
-  constexpr std::size_t kBytesPerPoint = 15;
-  content.reserve(content.size() + kBytesPerPoint * points.size());
+  constexpr std::size_t bytes_per_point = 15;
+  content.reserve(content.size() + bytes_per_point * points.size());
   for (const ColoredPoint& point : points) {
     for (const float coordinate : {point.x, point.y, point.z}) {
       appendLittleEndian(coordinate, content);

@@ -111,10 +111,11 @@ class TileAggregator {
         reach_(std::max(0, tile.columns.start - inputs.longest_arm_px),
                std::min(inputs.costs.width(), tile.columns.end + inputs.longest_arm_px)),
         ring_rows_(powerOfTwoFrom(2 * inputs.longest_arm_px + 2)),
+        row_pitch_(tile.columns.size() + 1),
         row_prefix_(reach_.size() + 1),
         rows_above_(inputs.longest_arm_px + 1),
         rows_including_(inputs.longest_arm_px + 1),
-        ring_(static_cast<std::size_t>(ring_rows_) * tile.columns.size()),
+        ring_(static_cast<std::size_t>(ring_rows_) * row_pitch_),
         horizontal_(inputs.view, tile, inputs.range, kLeftArm, kRightArm),
         vertical_(inputs.view, tile, inputs.range, kUpArm, kDownArm) {}
 
@@ -146,16 +147,21 @@ class TileAggregator {
 
   /// Regions of the tile's first `rows` rows, one Lane a column.
   Lane<Region>* regionsAbove(int rows) {
-    return ring_.data() + static_cast<std::size_t>(rows & (ring_rows_ - 1)) * tile_.columns.size();
+    return ring_.data() + static_cast<std::size_t>(rows & (ring_rows_ - 1)) * row_pitch_;
   }
 
   void sumPrefixes(int y) {
     for (int i = 0; i < reach_.size(); ++i) {
-      const std::uint16_t* costs =
-          inputs_.costs.pixel(y, reach_.start + i) + tile_.disparities.start;
-      for (int d = 0; d < disparities_; ++d) {
-        row_prefix_[i + 1][d] = row_prefix_[i][d] + costs[d];
-      }
+      addCosts(row_prefix_[i].data(),
+               inputs_.costs.pixel(y, reach_.start + i) + tile_.disparities.start, disparities_,
+               row_prefix_[i + 1].data());
+    }
+  }
+
+  static void addCosts(const std::uint32_t* __restrict sums, const std::uint16_t* __restrict costs,
+                       int count, std::uint32_t* __restrict new_sums) {
+    for (int d = 0; d < count; ++d) {
+      new_sums[d] = sums[d] + costs[d];
     }
   }
 
@@ -205,7 +211,8 @@ class TileAggregator {
     for (int d = 0; d < disparities_; ++d) {
       const auto sum = static_cast<Integer>(regions[d]);
       const auto pixels = static_cast<Integer>(regions[d] >> 32);
-      const Real mean = static_cast<Real>(sum + pixels / 2) / static_cast<Real>(pixels);
+      const Integer half_up = sum + pixels / 2;
+      const Real mean = static_cast<Real>(half_up) / static_cast<Real>(pixels);
       means[d] = static_cast<std::uint16_t>(static_cast<int>(mean));
     }
   }
@@ -215,6 +222,9 @@ class TileAggregator {
   const int disparities_;
   const cv::Range reach_;  // columns that arms of the tile can reach
   const int ring_rows_;
+  /// Of the ring, in columns. A power of two would have all its rows compete for one part of the
+  /// cache.
+  const int row_pitch_;
   std::vector<Lane<std::uint32_t>> row_prefix_;
   std::vector<const Lane<Region>*> rows_above_;      // of the current row less an arm, by arm
   std::vector<const Lane<Region>*> rows_including_;  // of the current row plus an arm, by arm

@@ -77,7 +77,7 @@ struct EdgeMaps {
 
 EdgeMaps findEdges(const cv::Mat& grey, float threshold_grey) {
   const cv::Rect all(0, 0, grey.cols, grey.rows);
-  const auto markSteps = [&](const cv::Point& neighbour) {
+  const auto mark_steps = [&](const cv::Point& neighbour) {
     cv::Mat edges = cv::Mat::zeros(grey.rows + 1, grey.cols + 1, CV_8UC1);
     const cv::Rect pixels = all & (all + neighbour);
     if (!pixels.empty()) {
@@ -87,7 +87,7 @@ EdgeMaps findEdges(const cv::Mat& grey, float threshold_grey) {
     }
     return edges;
   };
-  return {markSteps({1, 0}), markSteps({0, 1})};
+  return {mark_steps({1, 0}), mark_steps({0, 1})};
 }
 
 /// Penalties of all hypotheses of the pixels of one row, or of a part of one.

@@ -66,8 +66,10 @@ class CoarseSearch {
   static constexpr int kSide = 2 * kRadius + 1;
   static constexpr float kMinCorrelation = 0.8F;
   static constexpr float kMinEnergy = 4.0F * kSide * kSide;  // 2 grey levels of deviation
-  /// 1 − correlation of the best place is at most this part of that of any other.
-  static constexpr float kMaxRatio = 0.6F;
+  /// Of the dissimilarities of the best place and any other, at most. Dissimilarity is
+  /// 1 − correlation, and a little more so that two perfect places are alike.
+  static constexpr double kMaxRatio = 0.6;
+  static constexpr double kDissimilarityFloor = 0.01;
 
   static cv::Mat half(const cv::Mat& image) {
     cv::Mat small;
@@ -125,7 +127,8 @@ class CoarseSearch {
     scores(peak & cv::Rect(0, 0, scores.cols, scores.rows)).setTo(-1.0);
     double second_score = 0.0;
     cv::minMaxLoc(scores, nullptr, &second_score);
-    if (1.0 - best_score > kMaxRatio * (1.0 - second_score)) {
+    const double identical = 1.0 + kDissimilarityFloor;
+    if (identical - best_score > kMaxRatio * (identical - second_score)) {
       return std::nullopt;
     }
     return best;
@@ -279,11 +282,11 @@ class PatchAlignment {
 };
 
 std::vector<cv::Point2f> spreadCorners(const cv::Mat& image, int count) {
-  constexpr double kQuality = 0.002;  // of the strongest corner
-  constexpr int kWindow = 7;
+  constexpr double quality = 0.002;  // of the strongest corner
+  constexpr int window = 7;
   const double spacing = 0.6 * std::sqrt(static_cast<double>(image.total()) / count);
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(image, corners, count, kQuality, spacing, cv::noArray(), kWindow);
+  cv::goodFeaturesToTrack(image, corners, count, quality, spacing, cv::noArray(), window);
   return corners;
 }
 

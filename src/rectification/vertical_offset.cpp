@@ -17,6 +17,7 @@ constexpr double kMaxResidual = 0.5;     // px; matches that scatter more tell n
 constexpr double kMinConsistent = 0.5;   // part of the matches that must agree with the model
 constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
 constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
+constexpr double kMinSpread = 0.2;       // determinant of three matches that fix a model
 constexpr double kSignificance = 16.27;  // chi-square, 3 degrees of freedom, 99.9 %
 
 /// Columns: 1, x and y in halves of the image, so that all parameters are in px.
@@ -66,27 +67,48 @@ double robustScale(const Eigen::VectorXd& residuals) {
   return std::max(1.4826 * *middle, kMinScale);
 }
 
-double huberWeight(double residual) { return 1.345 / std::max(1.345, std::abs(residual)); }
+/// Least median of squares: of the models through three matches, the one with the smallest scale.
+/// Half of the matches may be wrong, and agree with each other, without moving it.
+Eigen::Vector3d leastMedianModel(const LinearFit& fit) {
+  constexpr int samples = 300;
+  cv::RNG rng(1);  // always the same samples: the estimate is deterministic
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  double best_scale = robustScale(fit.dy);
+  for (int i = 0; i < samples; ++i) {
+    Eigen::Matrix3d design;
+    Eigen::Vector3d dy;
+    for (int j = 0; j < 3; ++j) {
+      const int match = rng.uniform(0, static_cast<int>(fit.dy.size()));
+      design.row(j) = fit.design.row(match);
+      dy[j] = fit.dy[match];
+    }
+    if (std::abs(design.determinant()) < kMinSpread) {
+      continue;
+    }
+    const Eigen::Vector3d model = design.inverse() * dy;
+    const double scale = robustScale(fit.dy - fit.design * model);
+    if (scale < best_scale) {
+      best = model;
+      best_scale = scale;
+    }
+  }
+  return best;
+}
 
 double tukeyWeight(double residual) {
   const double part = residual / 4.685;
   return std::abs(part) >= 1.0 ? 0.0 : (1.0 - part * part) * (1.0 - part * part);
 }
 
-/// Huber's weights find the way from the plain mean, Tukey's then drop the wrong matches.
 void fitRobustly(LinearFit& fit) {
-  constexpr int kIterations = 10;
-  const auto reweighted = [&](double (*weight)(double)) {
-    for (int i = 0; i < kIterations; ++i) {
-      fit.solve();
-      const Eigen::VectorXd residuals = fit.residuals();
-      fit.scale = robustScale(residuals);
-      fit.weights = (residuals / fit.scale).unaryExpr(weight);
-    }
-  };
-  reweighted(huberWeight);
-  reweighted(tukeyWeight);
-  fit.solve();
+  constexpr int iterations = 10;
+  fit.parameters = leastMedianModel(fit);
+  for (int i = 0; i < iterations; ++i) {
+    const Eigen::VectorXd residuals = fit.residuals();
+    fit.scale = robustScale(residuals);
+    fit.weights = (residuals / fit.scale).unaryExpr(&tukeyWeight);
+    fit.solve();
+  }
 }
 
 bool isSignificant(const LinearFit& fit) {

@@ -107,6 +107,29 @@ TEST(EstimateVerticalOffset, SurvivesNoiseInAThirdOfTheImage) {
   EXPECT_LT(largestError(model, options, scene.left.size()), 0.05);
 }
 
+/// A quarter of the matches agree on something else, in one corner where a tilted model could reach
+/// them.
+TEST(EstimateVerticalOffset, RejectsAQuarterThatMovedOtherwise) {
+  const RenderOptions options = misaligned(0.7, 0.0, 0.0);
+  const RenderedScene scene = renderScene(351, 263, 4, options);
+  const RenderedScene other = renderScene(351, 263, 4, misaligned(-1.5, 0.0, 0.0));
+  const cv::Rect quarter(0, 0, 175, 131);
+  other.right(quarter).copyTo(scene.right(quarter));
+  const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
+  EXPECT_LT(largestError(model, options, scene.left.size()), 0.05);
+}
+
+TEST(EstimateVerticalOffset, RepetitiveTextureGivesNoEstimate) {
+  cv::Mat image(263, 351, CV_8UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image.at<uchar>(y, x) = static_cast<uchar>(
+          128.0 + 50.0 * (std::sin(2.0 * CV_PI * x / 12.0) + std::sin(2.0 * CV_PI * y / 6.0)));
+    }
+  }
+  expectNoEstimate(estimateVerticalOffset(image, image, {-16, 33}, {}));
+}
+
 TEST(EstimateVerticalOffset, AlignedPairsGetTheZeroModel) {
   for (int seed = 1; seed <= 4; ++seed) {
     const RenderedScene scene = renderScene(351, 263, seed);

@@ -20,13 +20,9 @@ class ForestEvaluator {
                 std::uint8_t* costs) const;
 
  private:
-  void accumulate(const ObliviousTree& tree,
-                  const std::array<const std::uint8_t*, kFeatureCount>& codes, int first, int count,
-                  std::int32_t* sums) const;
-
   std::vector<ObliviousTree> trees_;
-  std::int32_t lowest_sum_ = 0;              ///< of all leaves
-  std::vector<std::uint8_t> cost_of_sum_;    ///< indexed by sum − lowest_sum_
+  std::int32_t lowest_sum_ = 0;            ///< of all leaves
+  std::vector<std::uint8_t> cost_of_sum_;  ///< indexed by sum − lowest_sum_
 };
 
 }  // namespace cbmv

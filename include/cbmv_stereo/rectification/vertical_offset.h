@@ -50,7 +50,8 @@ struct VerticalOffset {
 /// Corners of the left image are searched in the right one at half resolution by normalised
 /// cross-correlation, over the disparities of `range` and the rows allowed by the options, and kept
 /// where the best place is unique; least squares on patches then gives each dy to sub-pixel
-/// precision. Iteratively reweighted least squares (Tukey's biweight) fits the model.
+/// precision. The model starts from the least median of squares and ends by iteratively reweighted
+/// least squares with Tukey's biweight.
 ///
 /// Zero model with matches = 0: options.enabled is false, too few matches agree, or they scatter.
 /// Zero model with matches > 0: the pair is aligned as well as can be measured; the correction
