@@ -12,3 +12,17 @@ add_dependencies(cbmv_stereo_nodelets ${${PROJECT_NAME}_EXPORTED_TARGETS}
 add_executable(cbmv_stereo_node ${PROJECT_SOURCE_DIR}/src/ros/cbmv_stereo_node.cpp)
 target_include_directories(cbmv_stereo_node SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(cbmv_stereo_node PRIVATE ${catkin_LIBRARIES})
+
+# Command-line programs that read and write bags.
+find_package(rosbag REQUIRED)
+find_package(CLI11 REQUIRED)
+file(GLOB ros_tool_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/ros/cbmv_*.cpp)
+set(CBMV_ROS_TOOLS)
+foreach(tool_source ${ros_tool_sources})
+  get_filename_component(tool ${tool_source} NAME_WE)
+  add_executable(${tool} ${tool_source})
+  target_include_directories(${tool} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(${tool} SYSTEM PRIVATE ${rosbag_INCLUDE_DIRS})
+  target_link_libraries(${tool} PRIVATE cbmv_stereo_nodelets ${rosbag_LIBRARIES} CLI11::CLI11)
+  list(APPEND CBMV_ROS_TOOLS ${tool})
+endforeach()

@@ -11,6 +11,8 @@
 #include <sensor_msgs/image_encodings.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "cbmv_stereo/io/preview.h"
+
 namespace cbmv {
 namespace {
 
@@ -153,6 +155,22 @@ cv::Vec3f toPoint(const StereoGeometry& geometry, int x, int y, double disparity
           static_cast<float>(z)};
 }
 
+/// Of a rectified camera without distortion: K, R, P of calib.txt's one focal length.
+sensor_msgs::CameraInfo toCameraInfo(const StereoCalibration& calibration, double cx, double tx,
+                                     const std_msgs::Header& header) {
+  const double f = calibration.focal_length_px;
+  sensor_msgs::CameraInfo info;
+  info.header = header;
+  info.width = static_cast<std::uint32_t>(calibration.width);
+  info.height = static_cast<std::uint32_t>(calibration.height);
+  info.distortion_model = "plumb_bob";
+  info.D.assign(5, 0.0);
+  info.K = {f, 0, cx, 0, f, calibration.cy, 0, 0, 1};
+  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.P = {f, 0, cx, tx, 0, f, calibration.cy, 0, 0, 0, 1, 0};
+  return info;
+}
+
 }  // namespace
 
 GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
@@ -281,12 +299,9 @@ sensor_msgs::Image toConfidenceImage(const StereoResult& result, const std_msgs:
 sensor_msgs::Image toDisparityColorImage(const StereoResult& result,
                                          const std_msgs::Header& header) {
   const DisparityRange& range = result.range;
-  const double scale = 255.0 / std::max(1, range.count - 1);
-  cv::Mat levels;
-  result.disparity.convertTo(levels, CV_8U, scale, -range.min * scale);
-  cv::Mat color;
-  cv::applyColorMap(levels, color, cv::COLORMAP_TURBO);
-  color.setTo(cv::Scalar::all(0), result.disparity == range.invalid());
+  const cv::Mat color =
+      colorizeDisparity(result.disparity, static_cast<float>(range.min),
+                        static_cast<float>(range.max()), range.invalid());
   return toMessage(color, encodings::BGR8, header);
 }
 
@@ -316,6 +331,50 @@ cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
   status.forest = state.forest;
   status.threads = state.threads;
   return status;
+}
+
+RecordedPair toRecordedPair(const cv::Mat& left, const cv::Mat& right,
+                            const StereoCalibration& calibration, const std_msgs::Header& header) {
+  RecordedPair pair;
+  cv::Mat grey;
+  cv::cvtColor(left, grey, cv::COLOR_BGR2GRAY);
+  pair.left_grey = toMessage(grey, encodings::MONO8, header);
+  pair.left_color = toMessage(left, encodings::BGR8, header);
+  cv::cvtColor(right, grey, cv::COLOR_BGR2GRAY);
+  pair.right_grey = toMessage(grey, encodings::MONO8, header);
+  pair.left_info = toCameraInfo(calibration, calibration.cx_left, 0, header);
+  pair.right_info = toCameraInfo(calibration, calibration.cx_right,
+                                 -calibration.focal_length_px * calibration.baseline_m, header);
+  return pair;
+}
+
+RecordedDisparity fromDisparityImage(const stereo_msgs::DisparityImage& message,
+                                     double disparity_offset_px) {
+  const auto offset = static_cast<float>(disparity_offset_px);
+  RecordedDisparity disparity;
+  disparity.values = fromFloatImage(message.image) + offset;
+  disparity.lowest = message.min_disparity + offset;
+  disparity.highest = message.max_disparity + offset;
+  disparity.invalid = disparity.lowest - 1.0F;
+  const cv::Mat none = fromFloatImage(message.image) < message.min_disparity - 0.75F;
+  disparity.values.setTo(disparity.invalid, none);
+  return disparity;
+}
+
+cv::Mat fromFloatImage(const sensor_msgs::Image& message) {
+  return cv_bridge::toCvCopy(message, encodings::TYPE_32FC1)->image;
+}
+
+std::vector<ColoredPoint> fromPointCloud(const sensor_msgs::PointCloud2& message) {
+  std::vector<ColoredPoint> points;
+  sensor_msgs::PointCloud2ConstIterator<float> point(message, "x");
+  sensor_msgs::PointCloud2ConstIterator<std::uint8_t> color(message, "rgb");
+  for (; point != point.end(); ++point, ++color) {
+    if (std::isfinite(point[2])) {
+      points.push_back({point[0], point[1], point[2], color[2], color[1], color[0]});
+    }
+  }
+  return points;
 }
 
 }  // namespace cbmv

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <sensor_msgs/CameraInfo.h>
@@ -10,6 +11,8 @@
 #include <stereo_msgs/DisparityImage.h>
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/calibration.h"
+#include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 #include <cbmv_stereo/Status.h>
 
@@ -132,5 +135,37 @@ struct NodeState {
 
 cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
                              const std_msgs::Header& header);
+
+/// A pair as a driver and image_proc publish it.
+struct RecordedPair {
+  sensor_msgs::Image left_grey;   ///< mono8
+  sensor_msgs::Image left_color;  ///< bgr8
+  sensor_msgs::Image right_grey;  ///< mono8
+  sensor_msgs::CameraInfo left_info;
+  sensor_msgs::CameraInfo right_info;
+};
+
+/// `left` and `right` are CV_8UC3 in the order blue, green, red; both get the same header, as
+/// stereo rigs have it after rectification.
+RecordedPair toRecordedPair(const cv::Mat& left, const cv::Mat& right,
+                            const StereoCalibration& calibration, const std_msgs::Header& header);
+
+/// Disparities of a message, back in pixels of the images.
+struct RecordedDisparity {
+  cv::Mat values;  ///< CV_32FC1; `invalid` where there is none
+  float lowest = 0;
+  float highest = 0;
+  float invalid = 0;
+};
+
+/// Takes back the offset that toDisparityImage took off.
+RecordedDisparity fromDisparityImage(const stereo_msgs::DisparityImage& message,
+                                     double disparity_offset_px);
+
+/// Copy of a 32FC1 image.
+cv::Mat fromFloatImage(const sensor_msgs::Image& message);
+
+/// The points of a cloud from toPointCloud that are not NaN.
+std::vector<ColoredPoint> fromPointCloud(const sensor_msgs::PointCloud2& message);
 
 }  // namespace cbmv

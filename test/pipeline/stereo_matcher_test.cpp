@@ -12,7 +12,7 @@
 #include "cbmv_stereo/io/middlebury_scene.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
-#include "support/rendered_scene.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 namespace cbmv::test {
 namespace {

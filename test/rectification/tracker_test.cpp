@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/rendered_scene.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 #include "cbmv_stereo/error.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "support/rendered_scene.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/io/middlebury_scene.h"

@@ -1,4 +1,4 @@
-#include "support/rendered_scene.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,32 +1,12 @@
-#pragma once
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include <opencv2/core.hpp>
-
 namespace cbmv {
-
-/// A synthetic rectified pair with exact ground truth.
-struct RenderedScene {
-  cv::Mat left;     ///< CV_8UC1
-  cv::Mat right;    ///< CV_8UC1
-  cv::Mat truth;    ///< CV_32FC1: disparity of the left image, px, exact, known everywhere
-  cv::Mat visible;  ///< CV_8UC1: 255 where both cameras see the point, else 0
-};
-
-struct RenderOptions {
-  double noise_sigma = 1.0;       ///< grey levels, independent in both images
-  double right_gain = 0.97;       ///< brightness of the right image = gain · left + offset
-  double right_offset = 3.0;      ///< grey levels
-  double vertical_offset = 0.0;   ///< px: row in the right image minus row in the left one, at the
-                                  ///< image centre
-  double vertical_slope_x = 0.0;  ///< px more per column of the right image
-  double vertical_slope_y = 0.0;  ///< px more per row of the left image
-};
-
-namespace rendered {
+namespace {
 
 /// Band-limited brightness: a sum of waves of random directions, 4 to 30 px long.
 class Texture {
@@ -95,7 +75,7 @@ struct Surface {
 };
 
 /// A slanted background of about 2 to 5 px of disparity and six objects before it, up to 25 px.
-inline std::vector<Surface> surfaces(int width, int height, int seed) {
+std::vector<Surface> surfaces(int width, int height, int seed) {
   cv::RNG rng(static_cast<uint64_t>(seed) + 1);
   const cv::Point2d middle(0.5 * (width - 1), 0.5 * (height - 1));
   std::vector<Surface> all = {
@@ -128,18 +108,18 @@ const Surface& nearest(const std::vector<Surface>& all, double y, Column column)
   return *best;
 }
 
-inline const Surface& seenByRight(const std::vector<Surface>& all, double x_right, double y) {
+const Surface& seenByRight(const std::vector<Surface>& all, double x_right, double y) {
   return nearest(all, y, [&](const Surface& surface) { return surface.leftColumn(x_right, y); });
 }
 
-inline void addNoise(cv::Mat& image, double sigma, int seed) {
+void addNoise(cv::Mat& image, double sigma, int seed) {
   cv::Mat noise(image.size(), CV_64FC1);
   cv::RNG(static_cast<uint64_t>(seed)).fill(noise, cv::RNG::NORMAL, 0.0, sigma);
   image += noise;
 }
 
-inline cv::Mat rightImage(const std::vector<Surface>& all, const cv::Size& size,
-                          const RenderOptions& options) {
+cv::Mat rightImage(const std::vector<Surface>& all, const cv::Size& size,
+                   const RenderOptions& options) {
   cv::Mat image(size, CV_64FC1);
   // dy = base + vertical_slope_y · row of the left image, solved for that row.
   for (int y = 0; y < size.height; ++y) {
@@ -156,36 +136,30 @@ inline cv::Mat rightImage(const std::vector<Surface>& all, const cv::Size& size,
   return image;
 }
 
-}  // namespace rendered
+}  // namespace
 
-/// Renders a scene of textured planes: a slanted background (about 2 to 5 px of disparity) and six
-/// rectangles and discs before it (about 6 to 25 px), two of them slanted. Both images sample one
-/// continuous texture, so that `truth` is exact. The same arguments give the same scene.
-/// With a vertical offset, `truth` and `visible` are those of the aligned pair.
-inline RenderedScene renderScene(int width, int height, int seed,
-                                 const RenderOptions& options = {}) {
+RenderedScene renderScene(int width, int height, int seed, const RenderOptions& options) {
   const cv::Size size(width, height);
-  const std::vector<rendered::Surface> all = rendered::surfaces(width, height, seed);
+  const std::vector<Surface> all = surfaces(width, height, seed);
   cv::Mat left(size, CV_64FC1);
   RenderedScene scene;
   scene.truth.create(size, CV_32FC1);
   scene.visible.create(size, CV_8UC1);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const rendered::Surface& surface =
-          rendered::nearest(all, y, [&](const rendered::Surface&) { return double(x); });
+      const Surface& surface = nearest(all, y, [&](const Surface&) { return double(x); });
       const double disparity = surface.disparityAt(x, y);
       const double x_right = x - disparity;
-      const bool visible = x_right >= 0.0 && x_right <= width - 1 &&
-                           &rendered::seenByRight(all, x_right, y) == &surface;
+      const bool visible =
+          x_right >= 0.0 && x_right <= width - 1 && &seenByRight(all, x_right, y) == &surface;
       left.at<double>(y, x) = surface.texture.at(x, y);
       scene.truth.at<float>(y, x) = static_cast<float>(disparity);
       scene.visible.at<uchar>(y, x) = visible ? 255 : 0;
     }
   }
-  cv::Mat right = rendered::rightImage(all, size, options);
-  rendered::addNoise(left, options.noise_sigma, 2 * seed + 1);
-  rendered::addNoise(right, options.noise_sigma, 2 * seed + 2);
+  cv::Mat right = rightImage(all, size, options);
+  addNoise(left, options.noise_sigma, 2 * seed + 1);
+  addNoise(right, options.noise_sigma, 2 * seed + 2);
   left.convertTo(scene.left, CV_8U);
   right.convertTo(scene.right, CV_8U);
   return scene;

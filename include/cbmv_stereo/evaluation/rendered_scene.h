@@ -1,0 +1,31 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// A synthetic rectified pair with exact ground truth.
+struct RenderedScene {
+  cv::Mat left;     ///< CV_8UC1
+  cv::Mat right;    ///< CV_8UC1
+  cv::Mat truth;    ///< CV_32FC1: disparity of the left image, px, exact, known everywhere
+  cv::Mat visible;  ///< CV_8UC1: 255 where both cameras see the point, else 0
+};
+
+struct RenderOptions {
+  double noise_sigma = 1.0;       ///< grey levels, independent in both images
+  double right_gain = 0.97;       ///< brightness of the right image = gain · left + offset
+  double right_offset = 3.0;      ///< grey levels
+  double vertical_offset = 0.0;   ///< px: row in the right image minus row in the left one, at the
+                                  ///< image centre
+  double vertical_slope_x = 0.0;  ///< px more per column of the right image
+  double vertical_slope_y = 0.0;  ///< px more per row of the left image
+};
+
+/// Renders a scene of textured planes: a slanted background (about 2 to 5 px of disparity) and six
+/// rectangles and discs before it (about 6 to 25 px), two of them slanted. Both images sample one
+/// continuous texture, so that `truth` is exact. The same arguments give the same scene.
+/// With a vertical offset, `truth` and `visible` are those of the aligned pair.
+RenderedScene renderScene(int width, int height, int seed, const RenderOptions& options = {});
+
+}  // namespace cbmv
