@@ -488,6 +488,12 @@ TEST(Startup, ForestIsRequired) {
   EXPECT_TRUE(nodelet.load());
 }
 
+TEST(Startup, LoadsTheForestOfThePackage) {
+  LocalNodelet nodelet("package_forest_test");
+  nodelet.parameters().setParam("forest", CBMV_SOURCE_DIR "/models/middlebury.forest");
+  EXPECT_TRUE(nodelet.load());
+}
+
 TEST(Startup, NodeWithoutForestExitsWithAnError) {
   const pid_t child = fork();
   if (child == 0) {
