@@ -34,7 +34,9 @@ add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 # rostest looks for the program where catkin puts programs.
 add_executable(stereo_rostest EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/stereo_rostest.cpp)
 cbmv_link_ros_test(stereo_rostest)
-target_compile_definitions(stereo_rostest PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}")
+target_compile_definitions(stereo_rostest PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
+                           CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                           CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>")
 target_link_libraries(stereo_rostest PRIVATE ${catkin_LIBRARIES})
 add_dependencies(tests forest_fixture cbmv_stereo_node)
 foreach(form node nodelet)

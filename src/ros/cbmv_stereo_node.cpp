@@ -1,5 +1,7 @@
 // The nodelet cbmv_stereo/stereo in a process of its own.
 
+#include <iostream>
+
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 
@@ -8,7 +10,7 @@ int main(int argc, char** argv) {
   nodelet::Loader loader(false);
   if (!loader.load(ros::this_node::getName(), "cbmv_stereo/stereo", ros::names::getRemappings(),
                    {argv + 1, argv + argc})) {
-    ROS_FATAL("cbmv_stereo_node: the nodelet cbmv_stereo/stereo did not come up, see above");
+    std::cerr << "cbmv_stereo_node: the nodelet cbmv_stereo/stereo did not come up, see above\n";
     return 1;
   }
   ros::spin();

@@ -366,11 +366,15 @@ TEST_F(StereoTopics, NewestFrameWins) {
     EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     return client_.status.at(sent.left_image->header.stamp);
   }();
+  StereoOptions slow = testOptions();
+  slow.range.count = 120;
+  slow.aggregation.iterations_before = 8;
+  client_.setOptions(slow);
   constexpr int kFrames = 15;
-  const ros::Time first = ros::Time::now();
   ros::Time last;
   for (int i = 0; i < kFrames; ++i) {
-    last = first + ros::Duration(0.001 * i);
+    waitFor([] { return false; }, 0.01);  // else messages would pile up before the node
+    last = ros::Time::now();
     client_.publish(makeMessages(pair_, rig_, last));
   }
   ASSERT_TRUE(waitForOutputs(last)) << "the newest frame was dropped";
@@ -484,11 +488,17 @@ TEST(Startup, ForestIsRequired) {
   EXPECT_TRUE(nodelet.load());
 }
 
+TEST(Startup, LoadsTheForestOfThePackage) {
+  LocalNodelet nodelet("package_forest_test");
+  nodelet.parameters().setParam("forest", CBMV_SOURCE_DIR "/models/middlebury.forest");
+  EXPECT_TRUE(nodelet.load());
+}
+
 TEST(Startup, NodeWithoutForestExitsWithAnError) {
   const pid_t child = fork();
   if (child == 0) {
-    execlp("rosrun", "rosrun", "cbmv_stereo", "cbmv_stereo_node", "__name:=no_forest",
-           "_forest:=/nonexistent/a.forest", nullptr);
+    execl(CBMV_STEREO_NODE, "cbmv_stereo_node", "__name:=no_forest",
+          "_forest:=/nonexistent/a.forest", nullptr);
     _exit(0);
   }
   int status = 0;
@@ -525,7 +535,7 @@ TEST(Startup, RefusesBadPrivateParameters) {
 /// Publishes a pair to the inputs of a namespace until its disparity comes back.
 bool disparityComesBack(const std::string& name_space,
                         const std::function<void(PairMessages&)>& change) {
-  ros::NodeHandle nh(name_space);
+  ros::NodeHandle nh("/" + name_space);
   auto left_image = nh.advertise<sensor_msgs::Image>("left/image_rect", 5);
   auto left_info = nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 5);
   auto right_image = nh.advertise<sensor_msgs::Image>("right/image_rect", 5);
