@@ -18,6 +18,12 @@ foreach(test_source ${test_sources})
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
+# The tests of the command-line programs run them.
+foreach(tool ${CBMV_TOOLS})
+  add_dependencies(tools_test ${tool})
+endforeach()
+target_compile_definitions(tools_test PRIVATE CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>")
+
 if(CBMV_BUILD_ROS AND CATKIN_ENABLE_TESTING)
   include(cmake/ros_tests.cmake)
 endif()

@@ -21,7 +21,7 @@
 
 namespace cbmv {
 
-/// Wires topics and parameters to StereoProcessor. docs/ros.md lists them all.
+/// Wires topics and parameters to StereoProcessor. README.md and docs/parameters.md list them.
 ///
 /// Inputs are subscribed only while an output has a subscriber, and each output is built only while
 /// it has one itself. Callbacks only hand frames over to the worker's thread, which converts,

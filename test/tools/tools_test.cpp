@@ -1,0 +1,153 @@
+// The command-line programs as a user meets them: what they write, what they say of bad input.
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/calibration.h"
+#include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/pfm.h"
+#include "support/temporary_folder.h"
+
+namespace cbmv::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Outcome {
+  int status = 0;
+  std::string output;  ///< standard error
+};
+
+/// Runs TOOL ARGUMENTS and returns its exit status and standard error.
+Outcome run(const std::string& tool, const std::string& arguments) {
+  const std::string command =
+      std::string(CBMV_TOOLS_DIR) + "/" + tool + " " + arguments + " 2>&1 >/dev/null";
+  FILE* pipe = popen(command.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 256> buffer{};
+  while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) {
+    outcome.output += buffer.data();
+  }
+  outcome.status = WEXITSTATUS(pclose(pipe));
+  return outcome;
+}
+
+/// One line on standard error, exit status 2.
+void expectRefusal(const Outcome& outcome, const std::vector<std::string>& parts) {
+  EXPECT_EQ(outcome.status, 2) << outcome.output;
+  EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+  for (const std::string& part : parts) {
+    EXPECT_THAT(outcome.output, HasSubstr(part));
+  }
+}
+
+const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
+
+/// A folder with a rendered pair: left.png, right.png, and text.png, which is no image.
+class ToolsTest : public testing::Test {
+ protected:
+  ToolsTest() : scene_(renderScene(160, 100, 1)) {
+    writeImage(path("left.png"), scene_.left);
+    writeImage(path("right.png"), scene_.right);
+    std::ofstream(path("text.png")) << "not an image\n";
+  }
+
+  std::string path(const std::string& name) const { return folder_.file(name); }
+
+  TemporaryFolder folder_;
+  RenderedScene scene_;
+};
+
+TEST_F(ToolsTest, MatchWritesDisparityAndConfidence) {
+  const Outcome outcome =
+      run("cbmv_match", path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                            " --disparities 32 --output " + path("out/deep"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const cv::Mat disparity = readPfm(path("out/deep/disparity.pfm"));
+  EXPECT_LT(evaluateDisparity(disparity, scene_.truth, scene_.visible, -1).bad_1, 4.0);
+  for (const char* name : {"out/deep/disparity.png", "out/deep/confidence.png"}) {
+    EXPECT_EQ(readColorImage(path(name)).size(), scene_.left.size());
+  }
+}
+
+TEST_F(ToolsTest, MatchNamesTheFileThatIsWrong) {
+  const std::string rest = " --forest " + kForest + " --output " + path("out");
+  const std::string left = path("left.png");
+  expectRefusal(run("cbmv_match", path("text.png") + " " + left + rest), {path("text.png")});
+  expectRefusal(run("cbmv_match", left + " " + path("none.png") + rest), {path("none.png")});
+  writeImage(path("small.png"), scene_.right.colRange(0, 50));
+  expectRefusal(run("cbmv_match", left + " " + path("small.png") + rest),
+                {path("small.png"), "size"});
+  expectRefusal(run("cbmv_match", left + " " + left + " --forest " + path("text.png") +
+                                      " --output " + path("out")),
+                {path("text.png"), "not a forest"});
+}
+
+TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {
+  EXPECT_EQ(run("cbmv_match", "").status, 2);
+  EXPECT_EQ(run("cbmv_match", "--no-such-option").status, 2);
+  EXPECT_EQ(run("cbmv_train", "").status, 2);
+  EXPECT_EQ(run("cbmv_match", "--help").status, 0);
+  EXPECT_EQ(run("cbmv_train", "--help").status, 0);
+}
+
+/// Writes the rendered pair as a Middlebury v3 scene.
+void writeScene(const std::string& folder, const RenderedScene& scene) {
+  std::filesystem::create_directories(folder);
+  writeImage(folder + "/im0.png", scene.left);
+  writeImage(folder + "/im1.png", scene.right);
+  writePfm(folder + "/disp0GT.pfm", scene.truth);
+  writeImage(folder + "/mask0nocc.png", scene.visible);
+  StereoCalibration calibration;
+  calibration.focal_length_px = 200;
+  calibration.baseline_m = 0.1;
+  calibration.width = scene.left.cols;
+  calibration.height = scene.left.rows;
+  calibration.disparities = 30;
+  writeMiddleburyCalibration(folder + "/calib.txt", calibration);
+}
+
+TEST_F(ToolsTest, TrainWritesAForestThatWorks) {
+  writeScene(path("data/One"), scene_);
+  writeScene(path("data/Two"), renderScene(160, 100, 2));
+  const Outcome trained =
+      run("cbmv_train", "--dataset middlebury_v3:" + path("data") +
+                            " --exclude Two --trees 8 --depth 4 --pixels-per-scene 3000 --output " +
+                            path("new.forest"));
+  ASSERT_EQ(trained.status, 0) << trained.output;
+  const Forest forest = readForest(path("new.forest"));
+  EXPECT_EQ(forest.trees.size(), 8U);
+  EXPECT_EQ(forest.provenance.scenes, std::vector<std::string>{"One"});
+  EXPECT_LT(forest.provenance.held_out_log_loss, 0.35);
+}
+
+TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
+  writeScene(path("data/One"), scene_);
+  const std::string rest = " --output " + path("new.forest");
+  const std::string data = "--dataset middlebury_v3:" + path("data");
+  expectRefusal(run("cbmv_train", "--dataset other:" + path("data") + rest), {"middlebury_v3"});
+  expectRefusal(run("cbmv_train", "--dataset middlebury_v3:" + path("none") + rest),
+                {path("none")});
+  expectRefusal(run("cbmv_train", data + " --scenes Three" + rest), {"Three"});
+  expectRefusal(run("cbmv_train", data + " --exclude One" + rest), {path("data")});
+  std::filesystem::resize_file(path("data/One/disp0GT.pfm"), 100);
+  expectRefusal(run("cbmv_train", data + rest), {path("data/One/disp0GT.pfm")});
+  EXPECT_FALSE(std::filesystem::exists(path("new.forest")));
+}
+
+}  // namespace
+}  // namespace cbmv::test
