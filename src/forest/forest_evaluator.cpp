@@ -6,8 +6,8 @@
 namespace cbmv {
 namespace {
 
-/// Hypotheses that are evaluated together. Their codes are copied into an array of this size, so that
-/// all loops have a constant length and vectorise.
+/// Hypotheses that are evaluated together. Their codes are copied into an array of this size, so
+/// that all loops have a constant length and vectorise.
 constexpr int kBlock = 64;
 using Block = std::array<std::uint8_t, kBlock>;
 using CodeBlock = std::array<Block, kFeatureCount>;

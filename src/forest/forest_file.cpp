@@ -71,8 +71,8 @@ Json provenanceToJson(const ForestProvenance& provenance) {
 int integerIn(const Json& value, int lowest, int highest, const std::string& what) {
   const auto number = value.get<std::int64_t>();
   if (number < lowest || number > highest) {
-    throw Fault(what + " is " + std::to_string(number) + ", outside of [" +
-                std::to_string(lowest) + ", " + std::to_string(highest) + "]");
+    throw Fault(what + " is " + std::to_string(number) + ", outside of [" + std::to_string(lowest) +
+                ", " + std::to_string(highest) + "]");
   }
   return static_cast<int>(number);
 }
@@ -81,7 +81,8 @@ ObliviousTree treeFromJson(const Json& json) {
   ObliviousTree tree;
   for (const Json& level : json.at("levels")) {
     tree.levels.push_back(
-        {static_cast<std::uint8_t>(integerIn(level.at(0), 0, kFeatureCount - 1, "a tree's feature")),
+        {static_cast<std::uint8_t>(
+             integerIn(level.at(0), 0, kFeatureCount - 1, "a tree's feature")),
          static_cast<std::uint8_t>(integerIn(level.at(1), 0, 255, "a tree's threshold"))});
   }
   for (const Json& leaf : json.at("leaves")) {

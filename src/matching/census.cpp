@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kRadius = CensusMatcher::kWindowPx / 2;
 
-/// Bits of the neighbours in window rows [first_row, last_row], in raster order, without the centre.
+/// Bits of the neighbours in window rows [first_row, last_row], in raster order, without the
+/// centre.
 std::uint64_t compareNeighbours(const cv::Mat& padded, int y, int x, int first_row, int last_row) {
   const std::uint8_t centre = paddedRow<std::uint8_t>(padded, y)[x];
   std::uint64_t bits = 0;

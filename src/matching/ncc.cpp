@@ -74,8 +74,8 @@ void NccMatcher::computeRow(int y, const DisparityRange& range, CostRow& costs) 
     const ColumnSpan span = matchedColumns(width, d);
     float* line = costs.line(i);
     for (int x = span.begin; x < span.end; ++x) {
-      const std::int32_t covariance = kPixels * sumOfProducts(left_rows, right_rows, x, d) -
-                                      left_sums[x] * right_sums[x - d];
+      const std::int32_t covariance =
+          kPixels * sumOfProducts(left_rows, right_rows, x, d) - left_sums[x] * right_sums[x - d];
       const float inverse = left_inverse[x] * right_inverse[x - d];
       line[x] = inverse > 0.0F ? -static_cast<float>(covariance) * inverse : 1.0F;
     }

@@ -16,8 +16,8 @@ constexpr int kUnitsPerGrey = 4;
 /// Mean of every window, in units of 1 / kUnitsPerGrey, without the padding.
 void windowMeans(const cv::Mat& padded, cv::Mat& means) {
   cv::Mat sums;
-  cv::boxFilter(padded, sums, CV_32S, {ZeroMeanSadMatcher::kWindowPx, ZeroMeanSadMatcher::kWindowPx},
-                {-1, -1}, false);
+  cv::boxFilter(padded, sums, CV_32S,
+                {ZeroMeanSadMatcher::kWindowPx, ZeroMeanSadMatcher::kWindowPx}, {-1, -1}, false);
   const cv::Rect inside(kMatchingBorderPx, kMatchingBorderPx, padded.cols - 2 * kMatchingBorderPx,
                         padded.rows - 2 * kMatchingBorderPx);
   sums = sums(inside);

@@ -34,8 +34,8 @@ const char* typeName(const ParameterValue& value) {
 }
 
 void requireFits(const Parameter& parameter, const ParameterValue& value) {
-  const bool promoted = std::holds_alternative<int>(value) &&
-                        std::holds_alternative<double>(parameter.default_value);
+  const bool promoted =
+      std::holds_alternative<int>(value) && std::holds_alternative<double>(parameter.default_value);
   if (value.index() != parameter.default_value.index() && !promoted) {
     throw Error(parameter.name + " is " + valueText(value) + ", it must be " +
                 typeName(parameter.default_value));
@@ -83,78 +83,96 @@ class ParameterTable {
 using Options = StereoOptions;
 
 void addMatchingParameters(ParameterTable& table) {
-  table.add("min_disparity", "px", -2048, 2048,
-            [](Options& o) -> int& { return o.range.min; },
-            "Lowest disparity that is tested; negative for toed-in cameras");
-  table.add("disparity_range", "px", 1, 4096,
-            [](Options& o) -> int& { return o.range.count; },
-            "Number of disparities that are tested, from min_disparity on");
-  table.add("refine_rectification", "", 0, 1,
-            [](Options& o) -> bool& { return o.rectification.enabled; },
-            "Estimate and remove the vertical offset that is left between the images");
-  table.add("rectification_max_offset", "px", 0.5, 16,
-            [](Options& o) -> double& { return o.rectification.max_offset_px; },
-            "Largest vertical offset that is looked for");
-  table.add("rectification_interval", "s", 0, 3600,
-            [](Options& o) -> double& { return o.rectification.interval_s; },
-            "Time between two estimates of the vertical offset on a stream");
+  table.add(
+      "min_disparity", "px", -2048, 2048, [](Options& o) -> int& { return o.range.min; },
+      "Lowest disparity that is tested; negative for toed-in cameras");
+  table.add(
+      "disparity_range", "px", 1, 4096, [](Options& o) -> int& { return o.range.count; },
+      "Number of disparities that are tested, from min_disparity on");
+  table.add(
+      "refine_rectification", "", 0, 1, [](Options& o) -> bool& { return o.rectification.enabled; },
+      "Estimate and remove the vertical offset that is left between the images");
+  table.add(
+      "rectification_max_offset", "px", 0.5, 16,
+      [](Options& o) -> double& { return o.rectification.max_offset_px; },
+      "Largest vertical offset that is looked for");
+  table.add(
+      "rectification_interval", "s", 0, 3600,
+      [](Options& o) -> double& { return o.rectification.interval_s; },
+      "Time between two estimates of the vertical offset on a stream");
 }
 
 void addOptimizationParameters(ParameterTable& table) {
-  table.add("cbca_arm_length", "px", 1, 64,
-            [](Options& o) -> int& { return o.aggregation.arm_length_px; },
-            "L1: arms of the support crosses hold fewer pixels than this");
-  table.add("cbca_intensity_threshold", "standard deviations", 0, 10,
-            [](Options& o) -> float& { return o.aggregation.intensity_threshold; },
-            "tau1: an arm ends where the intensity departs by this from the centre's");
-  table.add("cbca_iterations_before", "", 0, 16,
-            [](Options& o) -> int& { return o.aggregation.iterations_before; },
-            "Runs of cost aggregation before semi-global matching");
-  table.add("cbca_iterations_after", "", 0, 16,
-            [](Options& o) -> int& { return o.aggregation.iterations_after; },
-            "Runs of cost aggregation after semi-global matching");
-  table.add("P1", "", 0, 60, [](Options& o) -> float& { return o.sgm.p1; },
-            "Penalty of a disparity step of one pixel; matching costs are in [0, 1]");
-  table.add("P2", "", 0, 60, [](Options& o) -> float& { return o.sgm.p2; },
-            "Penalty of a larger disparity step, at least P1");
-  table.add("sgm_q1", "", 1, 20, [](Options& o) -> float& { return o.sgm.q1; },
-            "Divides P1 and P2 where one of the images has an edge");
-  table.add("sgm_q2", "", 1, 20, [](Options& o) -> float& { return o.sgm.q2; },
-            "Divides P1 and P2 once more where both images have an edge");
-  table.add("sgm_alpha1", "", 1, 20, [](Options& o) -> float& { return o.sgm.alpha1; },
-            "Divides P1 on the vertical paths");
-  table.add("sgm_tau_so", "standard deviations", 0, 10,
-            [](Options& o) -> float& { return o.sgm.edge_threshold; },
-            "Intensity step between neighbours that counts as an edge");
-  table.add("sgm_iterations", "", 0, 4, [](Options& o) -> int& { return o.sgm.iterations; },
-            "Runs of semi-global matching, each on the mean of the run before; 0 skips it");
+  table.add(
+      "cbca_arm_length", "px", 1, 64,
+      [](Options& o) -> int& { return o.aggregation.arm_length_px; },
+      "L1: arms of the support crosses hold fewer pixels than this");
+  table.add(
+      "cbca_intensity_threshold", "standard deviations", 0, 10,
+      [](Options& o) -> float& { return o.aggregation.intensity_threshold; },
+      "tau1: an arm ends where the intensity departs by this from the centre's");
+  table.add(
+      "cbca_iterations_before", "", 0, 16,
+      [](Options& o) -> int& { return o.aggregation.iterations_before; },
+      "Runs of cost aggregation before semi-global matching");
+  table.add(
+      "cbca_iterations_after", "", 0, 16,
+      [](Options& o) -> int& { return o.aggregation.iterations_after; },
+      "Runs of cost aggregation after semi-global matching");
+  table.add(
+      "P1", "", 0, 60, [](Options& o) -> float& { return o.sgm.p1; },
+      "Penalty of a disparity step of one pixel; matching costs are in [0, 1]");
+  table.add(
+      "P2", "", 0, 60, [](Options& o) -> float& { return o.sgm.p2; },
+      "Penalty of a larger disparity step, at least P1");
+  table.add(
+      "sgm_q1", "", 1, 20, [](Options& o) -> float& { return o.sgm.q1; },
+      "Divides P1 and P2 where one of the images has an edge");
+  table.add(
+      "sgm_q2", "", 1, 20, [](Options& o) -> float& { return o.sgm.q2; },
+      "Divides P1 and P2 once more where both images have an edge");
+  table.add(
+      "sgm_alpha1", "", 1, 20, [](Options& o) -> float& { return o.sgm.alpha1; },
+      "Divides P1 on the vertical paths");
+  table.add(
+      "sgm_tau_so", "standard deviations", 0, 10,
+      [](Options& o) -> float& { return o.sgm.edge_threshold; },
+      "Intensity step between neighbours that counts as an edge");
+  table.add(
+      "sgm_iterations", "", 0, 4, [](Options& o) -> int& { return o.sgm.iterations; },
+      "Runs of semi-global matching, each on the mean of the run before; 0 skips it");
 }
 
 void addRefinementParameters(ParameterTable& table) {
-  table.add("left_right_check", "", 0, 1,
-            [](Options& o) -> bool& { return o.refinement.left_right_check; },
-            "Match the right view too and find occlusions and mismatches; doubles the time of the "
-            "optimization");
-  table.add("left_right_max_difference", "px", 0, 16,
-            [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },
-            "Up to this difference both views agree");
-  table.add("fill_occlusions", "", 0, 1,
-            [](Options& o) -> bool& { return o.refinement.fill_occlusions; },
-            "Fill occlusions from the background; else they are invalid");
-  table.add("fill_mismatches", "", 0, 1,
-            [](Options& o) -> bool& { return o.refinement.fill_mismatches; },
-            "Fill mismatches from their neighbours; else they are invalid");
-  table.add("subpixel", "", 0, 1, [](Options& o) -> bool& { return o.refinement.subpixel; },
-            "Refine whole-pixel disparities by a parabola through the costs");
-  table.add("median_size", "px", 1, 5,
-            [](Options& o) -> int& { return o.refinement.median_size_px; },
-            "Window of the median filter, odd; 1 switches it off");
-  table.add("bilateral_sigma", "px", 0, 10,
-            [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
-            "Width of the bilateral filter; 0 switches it off");
-  table.add("bilateral_threshold", "px", 0, 16,
-            [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
-            "Disparities that differ by this from the centre's do not count in the filter");
+  table.add(
+      "left_right_check", "", 0, 1,
+      [](Options& o) -> bool& { return o.refinement.left_right_check; },
+      "Match the right view too and find occlusions and mismatches; doubles the time of the "
+      "optimization");
+  table.add(
+      "left_right_max_difference", "px", 0, 16,
+      [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },
+      "Up to this difference both views agree");
+  table.add(
+      "fill_occlusions", "", 0, 1, [](Options& o) -> bool& { return o.refinement.fill_occlusions; },
+      "Fill occlusions from the background; else they are invalid");
+  table.add(
+      "fill_mismatches", "", 0, 1, [](Options& o) -> bool& { return o.refinement.fill_mismatches; },
+      "Fill mismatches from their neighbours; else they are invalid");
+  table.add(
+      "subpixel", "", 0, 1, [](Options& o) -> bool& { return o.refinement.subpixel; },
+      "Refine whole-pixel disparities by a parabola through the costs");
+  table.add(
+      "median_size", "px", 1, 5, [](Options& o) -> int& { return o.refinement.median_size_px; },
+      "Window of the median filter, odd; 1 switches it off");
+  table.add(
+      "bilateral_sigma", "px", 0, 10,
+      [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
+      "Width of the bilateral filter; 0 switches it off");
+  table.add(
+      "bilateral_threshold", "px", 0, 16,
+      [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
+      "Disparities that differ by this from the centre's do not count in the filter");
 }
 
 ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node) {

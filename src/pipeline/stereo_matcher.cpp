@@ -218,7 +218,8 @@ class StereoMatcher::Impl {
     }
   }
 
-  /// Check, filling and filters. The filled pixels take sub-pixel disparities from their neighbours.
+  /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
+  /// neighbours.
   void refine(const cv::Mat& winners, StereoResult& result) {
     const RefinementOptions& options = options_.refinement;
     const DisparityRange& range = options_.range;

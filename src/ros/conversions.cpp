@@ -299,9 +299,8 @@ sensor_msgs::Image toConfidenceImage(const StereoResult& result, const std_msgs:
 sensor_msgs::Image toDisparityColorImage(const StereoResult& result,
                                          const std_msgs::Header& header) {
   const DisparityRange& range = result.range;
-  const cv::Mat color =
-      colorizeDisparity(result.disparity, static_cast<float>(range.min),
-                        static_cast<float>(range.max()), range.invalid());
+  const cv::Mat color = colorizeDisparity(result.disparity, static_cast<float>(range.min),
+                                          static_cast<float>(range.max()), range.invalid());
   return toMessage(color, encodings::BGR8, header);
 }
 

@@ -8,6 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "run_tool.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/image_file.h"
@@ -15,7 +17,6 @@
 #include "cbmv_stereo/io/preview.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "run_tool.h"
 
 namespace {
 
@@ -44,10 +45,10 @@ void match(const Arguments& arguments) {
   const std::string folder = arguments.output + "/";
   cbmv::writePfm(folder + "disparity.pfm", result.disparity);
   cbmv::writePfm(folder + "confidence.pfm", result.confidence);
-  cbmv::writeImage(folder + "disparity.png",
-                   cbmv::colorizeDisparity(result.disparity, static_cast<float>(options.range.min),
-                                           static_cast<float>(options.range.max()),
-                                           options.range.invalid()));
+  cbmv::writeImage(
+      folder + "disparity.png",
+      cbmv::colorizeDisparity(result.disparity, static_cast<float>(options.range.min),
+                              static_cast<float>(options.range.max()), options.range.invalid()));
   cbmv::writeImage(folder + "confidence.png", cbmv::colorizeConfidence(result.confidence));
   std::printf("%.0f ms; wrote disparity and confidence to %s\n", result.times.total_ms,
               folder.c_str());

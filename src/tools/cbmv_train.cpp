@@ -6,10 +6,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include "run_tool.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/training/forest_training.h"
-#include "run_tool.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Trains a forest on rectified stereo pairs with ground truth"};

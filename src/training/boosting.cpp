@@ -140,11 +140,9 @@ class Booster {
 
   ObliviousTree::Level bestQuestion(int leaves) const {
     std::array<Question, kFeatureCount> questions;
-    tbb::parallel_for(0, kFeatureCount,
-                      [&](int f) { questions[f] = bestThreshold(f, leaves); });
-    return std::max_element(
-               questions.begin(), questions.end(),
-               [](const Question& a, const Question& b) { return a.score < b.score; })
+    tbb::parallel_for(0, kFeatureCount, [&](int f) { questions[f] = bestThreshold(f, leaves); });
+    return std::max_element(questions.begin(), questions.end(),
+                            [](const Question& a, const Question& b) { return a.score < b.score; })
         ->level;
   }
 
@@ -163,9 +161,9 @@ class Booster {
     }
     std::vector<std::int8_t> values;
     for (const Derivatives& sum : sums) {
-      const double step = -static_cast<double>(sum.first) * kDerivativeUnit /
-                          (static_cast<double>(sum.second) * kDerivativeUnit +
-                           options_.regularization);
+      const double step =
+          -static_cast<double>(sum.first) * kDerivativeUnit /
+          (static_cast<double>(sum.second) * kDerivativeUnit + options_.regularization);
       const double units = std::round(options_.learning_rate * step / options_.leaf_unit);
       values.push_back(static_cast<std::int8_t>(std::clamp(units, -128.0, 127.0)));
     }
@@ -177,7 +175,7 @@ class Booster {
   std::array<std::vector<std::uint8_t>, kFeatureCount> codes_;
   std::vector<std::int32_t> scores_;  ///< in leaf units, without the bias
   double bias_ = 0;
-  std::vector<std::int32_t> first_;   ///< derivatives, in units of kDerivativeUnit
+  std::vector<std::int32_t> first_;  ///< derivatives, in units of kDerivativeUnit
   std::vector<std::int32_t> second_;
   std::vector<std::uint8_t> leaf_numbers_;
 };

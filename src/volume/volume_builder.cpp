@@ -85,9 +85,8 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
 
 void shiftToRightView(const DisparityRange& range, MatchingVolume& volume) {
   tbb::parallel_for(0, volume.height(), [&](int y) {
-    std::vector<std::uint8_t> left(volume.row(y),
-                                   volume.row(y) + static_cast<std::size_t>(volume.width()) *
-                                                       range.count);
+    std::vector<std::uint8_t> left(
+        volume.row(y), volume.row(y) + static_cast<std::size_t>(volume.width()) * range.count);
     for (int x = 0; x < volume.width(); ++x) {
       std::uint8_t* costs = volume.pixel(y, x);
       for (int i = 0; i < range.count; ++i) {

@@ -76,7 +76,8 @@ TEST_P(FeaturesTest, EqualDefinitions) {
       const Confidences left = naiveConfidences(costs, shape, x, i, View::kLeft, constants);
       const Confidences right = naiveConfidences(costs, shape, x, i, View::kRight, constants);
       ASSERT_NEAR(values[kCost][x],
-                  constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost, tolerance);
+                  constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost,
+                  tolerance);
       ASSERT_NEAR(values[kRatioLow][x], std::min(left.log_ratio, right.log_ratio), tolerance);
       ASSERT_NEAR(values[kRatioHigh][x], std::max(left.log_ratio, right.log_ratio), tolerance);
       ASSERT_NEAR(values[kLikelihoodLow][x], std::min(left.log_likelihood, right.log_likelihood),

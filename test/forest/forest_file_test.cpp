@@ -7,8 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/error.h"
 #include "support/random_forest.h"
+
+#include "cbmv_stereo/error.h"
 
 namespace cbmv::test {
 namespace {

@@ -13,7 +13,8 @@ TEST_P(CensusTest, EqualsHammingDistanceOfComparisons) {
   CensusMatcher matcher;
   matcher.prepare(pair.padded_left, pair.padded_right);
   expectCosts(
-      shape, 0, [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
+      shape, 0,
+      [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
       [&](int y, int x, int x_right) {
         int distance = 0;
         for (int dy = -5; dy <= 5; ++dy) {

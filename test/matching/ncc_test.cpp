@@ -40,7 +40,8 @@ TEST_P(NccTest, EqualsDefinition) {
   NccMatcher matcher;
   matcher.prepare(pair.padded_left, pair.padded_right);
   expectCosts(
-      shape, 2e-6, [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
+      shape, 2e-6,
+      [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
       [&](int y, int x, int x_right) { return naiveNccCost(pair, y, x, x_right); });
 }
 

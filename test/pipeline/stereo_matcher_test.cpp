@@ -6,13 +6,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/middlebury_scene.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/middlebury_scene.h"
 
 namespace cbmv::test {
 namespace {
@@ -183,7 +184,8 @@ TEST(StereoMatcher, RefusesBadImages) {
   };
   EXPECT_THAT(refusal(grey, cv::Mat()), HasSubstr("right image is empty"));
   EXPECT_THAT(refusal(cv::Mat(), grey), HasSubstr("left image is empty"));
-  EXPECT_THAT(refusal(grey, cv::Mat(20, 31, CV_8UC1)), AllOf(HasSubstr("30x20"), HasSubstr("31x20")));
+  EXPECT_THAT(refusal(grey, cv::Mat(20, 31, CV_8UC1)),
+              AllOf(HasSubstr("30x20"), HasSubstr("31x20")));
   EXPECT_THAT(refusal(grey, cv::Mat(20, 30, CV_8UC3)), HasSubstr("grey"));
   EXPECT_EQ(refusal(grey, grey), "");
 }

@@ -7,9 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 namespace cbmv {
 namespace {

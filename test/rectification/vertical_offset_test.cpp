@@ -8,9 +8,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/io/middlebury_scene.h"
 
 namespace cbmv {

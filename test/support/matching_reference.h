@@ -6,9 +6,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "support/random_images.h"
+
 #include "cbmv_stereo/matching/cost_row.h"
 #include "cbmv_stereo/matching/padded_image.h"
-#include "support/random_images.h"
 
 namespace cbmv::test {
 

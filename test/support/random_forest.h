@@ -8,7 +8,8 @@
 
 namespace cbmv::test {
 
-/// A forest of random trees of all depths up to `max_depth`, with maps that spread typical features.
+/// A forest of random trees of all depths up to `max_depth`, with maps that spread typical
+/// features.
 inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto draw = [&random](int lowest, int highest) {

@@ -1,7 +1,5 @@
 // The command-line programs as a user meets them: what they write, what they say of bad input.
 
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -12,6 +10,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "support/temporary_folder.h"
 
 #include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
@@ -19,7 +20,6 @@
 #include "cbmv_stereo/io/calibration.h"
 #include "cbmv_stereo/io/image_file.h"
 #include "cbmv_stereo/io/pfm.h"
-#include "support/temporary_folder.h"
 
 namespace cbmv::test {
 namespace {

@@ -6,14 +6,15 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "cbmv_stereo/error.h"
 #include "support/random_forest.h"
+
+#include "cbmv_stereo/error.h"
 
 namespace cbmv::test {
 namespace {
 
-/// Uniform features; a sample is correct with probability 0.9 where feature 2 is above and feature 15
-/// below its middle, else with probability 0.1.
+/// Uniform features; a sample is correct with probability 0.9 where feature 2 is above and feature
+/// 15 below its middle, else with probability 0.1.
 Samples checkerboard(int count) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(0, 1);

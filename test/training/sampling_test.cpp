@@ -4,8 +4,9 @@
 
 #include <tbb/global_control.h>
 
-#include "cbmv_stereo/confidence/row_features.h"
 #include "support/random_images.h"
+
+#include "cbmv_stereo/confidence/row_features.h"
 
 namespace cbmv::test {
 namespace {

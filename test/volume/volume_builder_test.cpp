@@ -2,9 +2,10 @@
 
 #include <cmath>
 
-#include "cbmv_stereo/confidence/row_features.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
+
+#include "cbmv_stereo/confidence/row_features.h"
 
 namespace cbmv::test {
 namespace {

@@ -9,8 +9,8 @@
 namespace cbmv {
 
 /// All 20 features of one image row, one disparity at a time: the matchers' costs of the row first,
-/// then the terms of its pixels, then features on demand. Holds the buffers of a row; one object per
-/// thread.
+/// then the terms of its pixels, then features on demand. Holds the buffers of a row; one object
+/// per thread.
 class RowFeatures {
  public:
   /// Matches row y of the pair that `matchers` was prepared with.

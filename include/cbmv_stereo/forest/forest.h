@@ -11,17 +11,17 @@ namespace cbmv {
 
 /// Where a forest comes from: for people and for `info`; the method does not read it.
 struct ForestProvenance {
-  std::string program;                 ///< name and version of the trainer
-  std::string data_set;                ///< kind and name, no paths
-  std::vector<std::string> scenes;     ///< the scenes that were seen in training
-  std::string options;                 ///< options of the training, as text
-  long samples = 0;                    ///< training samples
+  std::string program;              ///< name and version of the trainer
+  std::string data_set;             ///< kind and name, no paths
+  std::vector<std::string> scenes;  ///< the scenes that were seen in training
+  std::string options;              ///< options of the training, as text
+  long samples = 0;                 ///< training samples
   std::uint64_t seed = 0;
-  double held_out_log_loss = 0;        ///< nats per sample, on samples that were not trained on
+  double held_out_log_loss = 0;  ///< nats per sample, on samples that were not trained on
 };
 
-/// A tree in which all nodes of a level ask the same question: the answers, one bit a level, are the
-/// number of the leaf.
+/// A tree in which all nodes of a level ask the same question: the answers, one bit a level, are
+/// the number of the leaf.
 struct ObliviousTree {
   struct Level {
     std::uint8_t feature = 0;    ///< in [0, kFeatureCount)

@@ -10,8 +10,8 @@
 namespace cbmv {
 
 /// Sum of absolute differences of horizontal Sobel responses in a 5 × 5 window (Batsos et al. 2018,
-/// section 3.1). The response is the 3 × 3 kernel (−1 0 1; −2 0 2; −1 0 1), not scaled; costs are in
-/// [0, 51 000].
+/// section 3.1). The response is the 3 × 3 kernel (−1 0 1; −2 0 2; −1 0 1), not scaled; costs are
+/// in [0, 51 000].
 class SobelSadMatcher {
  public:
   static constexpr int kWindowPx = 5;
@@ -28,7 +28,7 @@ class SobelSadMatcher {
   void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow& costs) const;
 
  private:
-  cv::Mat left_responses_;   ///< CV_16SC1, padded
+  cv::Mat left_responses_;  ///< CV_16SC1, padded
   cv::Mat right_responses_;
 };
 

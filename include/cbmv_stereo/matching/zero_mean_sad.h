@@ -10,8 +10,8 @@
 namespace cbmv {
 
 /// Zero-mean sum of absolute differences in a 5 × 5 window (Batsos et al. 2018, section 3.1):
-/// Σ |(l − mean l) − (r − mean r)|, in grey levels, in [0, 6 370]. Means are rounded to a quarter of
-/// a grey level, so that the sum is exact in 16-bit integers.
+/// Σ |(l − mean l) − (r − mean r)|, in grey levels, in [0, 6 370]. Means are rounded to a quarter
+/// of a grey level, so that the sum is exact in 16-bit integers.
 class ZeroMeanSadMatcher {
  public:
   static constexpr int kWindowPx = 5;
@@ -30,7 +30,7 @@ class ZeroMeanSadMatcher {
  private:
   cv::Mat padded_left_;
   cv::Mat padded_right_;
-  cv::Mat left_means_;   ///< CV_16SC1, in quarters of a grey level
+  cv::Mat left_means_;  ///< CV_16SC1, in quarters of a grey level
   cv::Mat right_means_;
 };
 

@@ -24,11 +24,11 @@ struct StageTimes {
 /// What the method finds for one rectified pair. All maps have the size of the images.
 struct StereoResult {
   DisparityRange range;
-  cv::Mat disparity;        ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
+  cv::Mat disparity;  ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, winner takes all; empty without the check
   cv::Mat labels;           ///< CV_8UC1 of Label, left view: what the left-right check found
-  /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen is
-  /// correct; halved where the left-right check failed, and 0 where there is no disparity.
+  /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen
+  /// is correct; halved where the left-right check failed, and 0 where there is no disparity.
   cv::Mat confidence;
   VerticalOffset rectification;  ///< the model that was removed before matching
   StageTimes times;

@@ -2,8 +2,9 @@
 
 namespace cbmv {
 
-/// The disparities that are tested at every pixel: `min`, `min + 1`, … `min + count − 1`, in pixels.
-/// Disparity is d = x_L − x_R; `min` may be negative. Index i of a volume stands for d = min + i.
+/// The disparities that are tested at every pixel: `min`, `min + 1`, … `min + count − 1`, in
+/// pixels. Disparity is d = x_L − x_R; `min` may be negative. Index i of a volume stands for d =
+/// min + i.
 struct DisparityRange {
   int min = 0;
   int count = 64;
@@ -14,8 +15,8 @@ struct DisparityRange {
 };
 
 /// Which image a map or a volume is registered to. In the left view, hypothesis (x, d) matches x in
-/// the left image with x − d in the right one; in the right view, x in the right image with x + d in
-/// the left one.
+/// the left image with x − d in the right one; in the right view, x in the right image with x + d
+/// in the left one.
 enum class View { kLeft, kRight };
 
 /// Column in the other image of hypothesis (x, d) of `view`; may lie outside of that image.

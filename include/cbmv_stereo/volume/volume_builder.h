@@ -10,9 +10,9 @@
 
 namespace cbmv {
 
-/// Builds the matching volume of a pair: streams the image row by row through the four matchers, the
-/// bidirectional features and the forest. The 20 features of a row exist only while their row is
-/// processed; each thread has its own buffers, kept from frame to frame.
+/// Builds the matching volume of a pair: streams the image row by row through the four matchers,
+/// the bidirectional features and the forest. The 20 features of a row exist only while their row
+/// is processed; each thread has its own buffers, kept from frame to frame.
 class VolumeBuilder {
  public:
   VolumeBuilder();
@@ -20,9 +20,9 @@ class VolumeBuilder {
   VolumeBuilder(const VolumeBuilder&) = delete;
   VolumeBuilder& operator=(const VolumeBuilder&) = delete;
 
-  /// `left` and `right` are CV_8UC1 of the same size. `volume` becomes the matching volume of the left
-  /// view (Batsos et al. 2018, section 3.3); hypotheses whose match lies outside of the right image
-  /// hold kOutsideCost. Parallel over rows by oneTBB.
+  /// `left` and `right` are CV_8UC1 of the same size. `volume` becomes the matching volume of the
+  /// left view (Batsos et al. 2018, section 3.3); hypotheses whose match lies outside of the right
+  /// image hold kOutsideCost. Parallel over rows by oneTBB.
   void build(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
              const Forest& forest, const ForestEvaluator& evaluator, MatchingVolume& volume);
 
@@ -31,8 +31,8 @@ class VolumeBuilder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Turns the left view's volume into the right view's in place: right(x, d) = left(x + d, d) (Batsos
-/// et al. 2018, section 3.3); kOutsideCost where x + d lies outside of the left image.
+/// Turns the left view's volume into the right view's in place: right(x, d) = left(x + d, d)
+/// (Batsos et al. 2018, section 3.3); kOutsideCost where x + d lies outside of the left image.
 void shiftToRightView(const DisparityRange& range, MatchingVolume& volume);
 
 }  // namespace cbmv
