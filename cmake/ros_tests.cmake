@@ -15,7 +15,7 @@ foreach(test_source ${ros_test_sources})
   cbmv_link_ros_test(${test_name})
   target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
-  gtest_discover_tests(${test_name} DISCOVERY_MODE PRE_TEST)
+  add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
 
 # The forest of the node under test; nothing here depends on a trained one.
