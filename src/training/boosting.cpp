@@ -51,8 +51,7 @@ class Booster {
       quantize(quantizer.maps[f], samples.features[f].data(), static_cast<int>(labels_.size()),
                codes_[f].data());
     });
-    const auto positives = static_cast<double>(std::count(labels_.begin(), labels_.end(), 1));
-    bias_ = std::log(positives / (static_cast<double>(labels_.size()) - positives));
+    bias_ = trainedLogOdds();
     first_.resize(labels_.size());
     second_.resize(labels_.size());
     leaf_numbers_.resize(labels_.size());
@@ -87,6 +86,15 @@ class Booster {
 
  private:
   bool heldOut(std::size_t n) const { return n % options_.held_out_every == 0; }
+
+  /// Log-odds of the samples that are trained on.
+  double trainedLogOdds() const {
+    std::array<double, 2> counts{};
+    for (std::size_t n = 0; n < labels_.size(); ++n) {
+      counts[labels_[n]] += heldOut(n) ? 0 : 1;
+    }
+    return std::log(counts[1] / counts[0]);
+  }
 
   /// Of the logistic loss by the log-odds; zero for held-out samples, which so have no say.
   void computeDerivatives() {
@@ -186,18 +194,21 @@ void checkOptions(const Samples& samples, const BoostingOptions& options) {
       throw Error("training: " + sentence);
     }
   };
-  const long positives = std::count(samples.labels.begin(), samples.labels.end(), 1);
-  require(positives > 0 && positives < samples.count(),
-          "correct and wrong samples are both needed, there are " + std::to_string(positives) +
-              " and " + std::to_string(samples.count() - positives));
+  require(options.leaf_unit > 0 && options.regularization >= 0 && options.held_out_every >= 2,
+          "leaf unit, regularization and held-out step must be positive");
+  std::array<long, 2> counts{};
+  for (long n = 0; n < samples.count(); ++n) {
+    counts[samples.labels[n]] += n % options.held_out_every == 0 ? 0 : 1;
+  }
+  require(counts[0] > 0 && counts[1] > 0, "correct and wrong samples are both needed, there are " +
+                                              std::to_string(counts[1]) + " and " +
+                                              std::to_string(counts[0]) + " to train on");
   require(options.trees >= 1 && options.trees <= Forest::kMaxTrees,
           "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
   require(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
           "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
   require(options.learning_rate > 0 && options.learning_rate <= 1,
           "the learning rate must be in (0, 1]");
-  require(options.leaf_unit > 0 && options.regularization >= 0 && options.held_out_every >= 2,
-          "leaf unit, regularization and held-out step must be positive");
 }
 
 }  // namespace

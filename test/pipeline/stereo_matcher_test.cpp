@@ -14,6 +14,7 @@
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/middlebury_scene.h"
+#include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv::test {
 namespace {
@@ -154,6 +155,49 @@ TEST(StereoMatcher, DoesNotDependOnThreadsNorOnEarlierFrames) {
     matcher.match(other.left, other.right);
     matcher.setOptions(options);
     expectSame(matcher.match(scene.left, scene.right), expected);
+  }
+}
+
+/// Every setting of optimization and refinement reaches its stage: changed alone, it changes the
+/// disparities of a noisy scene.
+TEST(StereoMatcher, EverySettingHasAnEffect) {
+  RenderOptions noisy;
+  noisy.noise_sigma = 14;
+  const RenderedScene scene = renderScene(160, 120, 8, noisy);
+  StereoOptions options = optionsFor({0, 32});
+  options.aggregation.iterations_before = 1;
+  options.aggregation.intensity_threshold = 0.4F;  // above the noise
+  const auto disparity_with = [&](const std::string& name, const ParameterValue& value) {
+    StereoOptions changed = options;
+    findParameter(name).set(changed, value);
+    return StereoMatcher(shippedForest("middlebury.forest"), changed)
+        .match(scene.left, scene.right)
+        .disparity;
+  };
+  const cv::Mat usual = disparity_with("sgm_iterations", 2);
+  const std::vector<std::pair<std::string, ParameterValue>> changes = {
+      {"cbca_arm_length", 3},
+      {"cbca_intensity_threshold", 0.8},
+      {"cbca_iterations_before", 0},
+      {"cbca_iterations_after", 3},
+      {"P1", 0.4},
+      {"P2", 3.0},
+      {"sgm_q1", 4.0},
+      {"sgm_q2", 9.0},
+      {"sgm_alpha1", 3.0},
+      {"sgm_tau_so", 0.5},
+      {"sgm_iterations", 1},
+      {"sgm_iterations", 0},
+      {"left_right_check", false},
+      {"left_right_max_difference", 0.0},
+      {"fill_occlusions", false},
+      {"fill_mismatches", false},
+      {"subpixel", false},
+      {"median_size", 1},
+      {"bilateral_sigma", 0.0},
+      {"bilateral_threshold", 0.2}};
+  for (const auto& [name, value] : changes) {
+    EXPECT_FALSE(equal(disparity_with(name, value), usual)) << name;
   }
 }
 

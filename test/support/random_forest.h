@@ -39,9 +39,9 @@ inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
   return forest;
 }
 
-/// Cost of one hypothesis, tree by tree, question by question.
+/// Log-odds of one hypothesis, tree by tree, question by question.
 template <typename CodeOf>
-std::uint8_t naiveForestCost(const Forest& forest, const CodeOf& code_of) {
+double naiveLogOdds(const Forest& forest, const CodeOf& code_of) {
   double log_odds = forest.bias;
   for (const ObliviousTree& tree : forest.trees) {
     int leaf = 0;
@@ -52,7 +52,12 @@ std::uint8_t naiveForestCost(const Forest& forest, const CodeOf& code_of) {
     }
     log_odds += forest.leaf_unit * tree.leaves[leaf];
   }
-  const double probability = 1 / (1 + std::exp(-log_odds));
+  return log_odds;
+}
+
+template <typename CodeOf>
+std::uint8_t naiveForestCost(const Forest& forest, const CodeOf& code_of) {
+  const double probability = 1 / (1 + std::exp(-naiveLogOdds(forest, code_of)));
   return static_cast<std::uint8_t>(std::lround(255 * (1 - probability)));
 }
 

@@ -1,5 +1,6 @@
 #include "cbmv_stereo/training/boosting.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -67,6 +68,39 @@ TEST(Boosting, FirstTreeIsTheBestStump) {
   EXPECT_NEAR((level.threshold - map.offset) / map.scale, 0.25, 2 / map.scale);
   EXPECT_LT(forest.trees[0].leaves[0], 0);
   EXPECT_GT(forest.trees[0].leaves[1], 0);
+}
+
+/// The log-loss that the training reports is that of the forest it returns, tree by tree.
+TEST(Boosting, ReportsTheLogLossOfItsForest) {
+  const Samples samples = checkerboard(3000);
+  BoostingOptions options;
+  options.trees = 7;
+  const Forest forest = trainForest(samples, options, ignoreProgress);
+  double loss = 0;
+  int count = 0;
+  for (long n = 0; n < samples.count(); n += options.held_out_every, ++count) {
+    const double log_odds = naiveLogOdds(forest, [&](int f) {
+      const CodeMap& map = forest.quantizer.maps[f];
+      return std::clamp(std::floor(map.scale * samples.features[f][n] + map.offset), 0.0F, 255.0F);
+    });
+    loss += std::log(1 + std::exp(samples.labels[n] == 1 ? -log_odds : log_odds));
+  }
+  EXPECT_NEAR(forest.provenance.held_out_log_loss, loss / count, 1e-9);
+}
+
+TEST(Boosting, HeldOutSamplesHaveNoSay) {
+  Samples samples = checkerboard(3000);
+  BoostingOptions options;
+  options.trees = 3;
+  const Forest forest = trainForest(samples, options, ignoreProgress);
+  for (long n = 0; n < samples.count(); n += options.held_out_every) {
+    samples.labels[n] = static_cast<std::uint8_t>(1 - samples.labels[n]);
+  }
+  const Forest other = trainForest(samples, options, ignoreProgress);
+  EXPECT_EQ(forest.bias, other.bias);
+  for (std::size_t t = 0; t < forest.trees.size(); ++t) {
+    EXPECT_EQ(forest.trees[t].leaves, other.trees[t].leaves);
+  }
 }
 
 TEST(Boosting, DoesNotDependOnThreads) {
