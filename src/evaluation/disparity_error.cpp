@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "cbmv_stereo/error.h"
+#include "map_checks.h"
 
 namespace cbmv {
 namespace {
 
 constexpr float kOccluderMargin = 1.0F;  // px of disparity
 constexpr float kOccluderReach = 1.0F;   // columns of the right image
+constexpr float kOutlierPx = 3.0F;
+constexpr float kOutlierShare = 0.05F;   // of the truth
+constexpr double kRankTolerance = 1e-9;  // 0.9 · 10 is to be 9, whatever its rounding
 
 /// A pixel whose disparity is known and where it lands in the right image.
 struct Landing {
@@ -59,36 +63,42 @@ double percent(long part, long whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-void checkInput(const cv::Mat& map, const char* name, int type, const cv::Size& size) {
-  if (map.type() != type || map.size() != size) {
-    throw Error(std::string("Cannot evaluate a disparity map: ") + name +
-                " must have the size of the disparity map and the type " +
-                (type == CV_8UC1 ? "CV_8UC1." : "CV_32FC1."));
-  }
+/// Smallest value that at least this share of the values does not exceed; reorders them.
+double quantile(std::vector<float>& values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(
+      std::ceil(share * static_cast<double>(values.size()) - kRankTolerance));
+  const auto position = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+  std::nth_element(values.begin(), position, values.end());
+  return *position;
 }
 
-/// Sums over the counted pixels.
+/// What the counted pixels add up to.
 struct ErrorSums {
   static constexpr std::array<float, 5> kThresholds = {0.5F, 1.0F, 2.0F, 3.0F, 4.0F};  // px
   std::array<long, 5> bad = {};
+  long outliers = 0;
   long pixels = 0;
-  long dense = 0;
+  std::vector<float> errors;  ///< where there is a disparity, px
   double absolute = 0.0;
   double squared = 0.0;
 
   void add(float disparity, float truth, float invalid) {
-    const bool valid = disparity != invalid && std::isfinite(disparity);
+    const bool valid = hasDisparity(disparity, invalid);
     const float error = std::abs(disparity - truth);
     for (std::size_t t = 0; t < bad.size(); ++t) {
       bad[t] += !valid || error > kThresholds[t] ? 1 : 0;
     }
+    const bool outlier = error > kOutlierPx && error > kOutlierShare * std::abs(truth);
+    outliers += !valid || outlier ? 1 : 0;
     ++pixels;
     if (valid) {
-      ++dense;
+      errors.push_back(error);
       absolute += error;
       squared += static_cast<double>(error) * error;
     }
   }
+
+  long dense() const { return static_cast<long>(errors.size()); }
 };
 
 }  // namespace
@@ -107,9 +117,9 @@ cv::Mat visibleInBoth(const cv::Mat& truth) {
 
 DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
                                  const cv::Mat& mask, float invalid) {
-  checkInput(disparity, "disparity", CV_32FC1, disparity.size());
-  checkInput(truth, "truth", CV_32FC1, disparity.size());
-  checkInput(mask, "mask", CV_8UC1, disparity.size());
+  requireMap(disparity, "disparity", CV_32FC1, disparity.size());
+  requireMap(truth, "truth", CV_32FC1, disparity.size());
+  requireMap(mask, "mask", CV_8UC1, disparity.size());
   ErrorSums sums;
   for (int y = 0; y < truth.rows; ++y) {
     for (int x = 0; x < truth.cols; ++x) {
@@ -125,11 +135,15 @@ DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
   error.bad_2 = percent(sums.bad[2], sums.pixels);
   error.bad_3 = percent(sums.bad[3], sums.pixels);
   error.bad_4 = percent(sums.bad[4], sums.pixels);
-  error.density = percent(sums.dense, sums.pixels);
+  error.d1 = percent(sums.outliers, sums.pixels);
+  error.density = percent(sums.dense(), sums.pixels);
   error.pixels = sums.pixels;
-  if (sums.dense > 0) {
-    error.average_px = sums.absolute / static_cast<double>(sums.dense);
-    error.rms_px = std::sqrt(sums.squared / static_cast<double>(sums.dense));
+  if (sums.dense() > 0) {
+    error.average_px = sums.absolute / static_cast<double>(sums.dense());
+    error.rms_px = std::sqrt(sums.squared / static_cast<double>(sums.dense()));
+    error.a50_px = quantile(sums.errors, 0.5);
+    error.a90_px = quantile(sums.errors, 0.9);
+    error.a99_px = quantile(sums.errors, 0.99);
   }
   return error;
 }

@@ -159,6 +159,8 @@ Forest forestFromJson(const Json& json) {
 
 }  // namespace
 
+std::string forestChecksum(const Forest& forest) { return checksum(modelToJson(forest)); }
+
 void validateForest(const Forest& forest, const std::string& file_name) {
   if (forest.trees.empty() || forest.trees.size() > Forest::kMaxTrees) {
     fail(file_name, "has " + std::to_string(forest.trees.size()) + " trees instead of 1 to " +

@@ -32,4 +32,14 @@ void writeFile(const std::string& path, const std::string& content) {
   }
 }
 
+void replaceFile(const std::string& path, const std::string& content) {
+  const std::string part = path + ".part";
+  writeFile(part, content);
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) {
+    throw Error("Cannot write " + path + ": replacing it failed, " + error.message() + ".");
+  }
+}
+
 }  // namespace cbmv

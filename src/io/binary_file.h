@@ -13,6 +13,9 @@ std::ifstream openForReading(const std::string& path);
 /// Replaces the file's content. Throws Error naming the file when it cannot be written.
 void writeFile(const std::string& path, const std::string& content);
 
+/// The same through a new file beside it, so that an interruption leaves the old file whole.
+void replaceFile(const std::string& path, const std::string& content);
+
 inline void appendLittleEndian(float value, std::string& bytes) {
   std::uint32_t bits = 0;
   std::memcpy(&bits, &value, sizeof bits);

@@ -30,6 +30,8 @@ class KeyValueFile {
     }
   }
 
+  bool has(const std::string& key) const { return values_.count(key) > 0; }
+
   double positive(const std::string& key) const {
     const std::vector<double> read = numbers(key);
     if (read.size() != 1 || !(read[0] > 0.0)) {
@@ -93,7 +95,7 @@ class KeyValueFile {
 
 }  // namespace
 
-StereoCalibration readMiddleburyCalibration(const std::string& path) {
+StereoCalibration readMiddleburyCalibration(const std::string& path, int default_disparities) {
   const KeyValueFile file(path);
   const std::vector<double> left = file.cameraMatrix("cam0");
   const std::vector<double> right = file.cameraMatrix("cam1");
@@ -105,7 +107,9 @@ StereoCalibration readMiddleburyCalibration(const std::string& path) {
   calibration.baseline_m = file.positive("baseline") / 1000.0;
   calibration.width = file.positiveInteger("width");
   calibration.height = file.positiveInteger("height");
-  calibration.disparities = file.positiveInteger("ndisp");
+  calibration.disparities = default_disparities > 0 && !file.has("ndisp")
+                                ? std::min(default_disparities, calibration.width)
+                                : file.positiveInteger("ndisp");
   return calibration;
 }
 

@@ -1,7 +1,9 @@
 #include "cbmv_stereo/evaluation/disparity_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -55,10 +57,23 @@ TEST(VisibleInBoth, ASlantedPlaneDoesNotHideItself) {
   EXPECT_EQ(cv::countNonZero(visibleInBoth(truth)), 60);
 }
 
+/// The smallest error that is not exceeded at `percent` of the pixels, counted for each.
+double naiveQuantile(const std::vector<double>& errors, int percent) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const double candidate : errors) {
+    const auto within = std::count_if(errors.begin(), errors.end(),
+                                      [&](double error) { return error <= candidate; });
+    if (100 * within >= percent * static_cast<long>(errors.size())) {
+      best = std::min(best, candidate);
+    }
+  }
+  return best;
+}
+
 /// Straight from the definitions, in double precision.
 DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const cv::Mat& mask) {
   DisparityError e;
-  double valid = 0;
+  std::vector<double> errors;
   for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
     const int y = i / truth.cols;
     const int x = i % truth.cols;
@@ -75,16 +90,22 @@ DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const c
     e.bad_2 += error > 2 ? 100 : 0;
     e.bad_3 += error > 3 ? 100 : 0;
     e.bad_4 += error > 4 ? 100 : 0;
+    e.d1 += error > 3 && error > 0.05 * std::abs(t) ? 100 : 0;
     e.density += has ? 100 : 0;
     e.average_px += has ? error : 0;
     e.rms_px += has ? error * error : 0;
-    valid += has ? 1 : 0;
+    if (has) {
+      errors.push_back(error);
+    }
   }
-  for (double* value : {&e.bad_05, &e.bad_1, &e.bad_2, &e.bad_3, &e.bad_4, &e.density}) {
+  for (double* value : {&e.bad_05, &e.bad_1, &e.bad_2, &e.bad_3, &e.bad_4, &e.d1, &e.density}) {
     *value /= static_cast<double>(e.pixels);
   }
-  e.average_px /= valid;
-  e.rms_px = std::sqrt(e.rms_px / valid);
+  e.average_px /= static_cast<double>(errors.size());
+  e.rms_px = std::sqrt(e.rms_px / static_cast<double>(errors.size()));
+  e.a50_px = naiveQuantile(errors, 50);
+  e.a90_px = naiveQuantile(errors, 90);
+  e.a99_px = naiveQuantile(errors, 99);
   return e;
 }
 
@@ -95,9 +116,13 @@ void expectEqual(const DisparityError& a, const DisparityError& b) {
   EXPECT_NEAR(a.bad_2, b.bad_2, 1e-9);
   EXPECT_NEAR(a.bad_3, b.bad_3, 1e-9);
   EXPECT_NEAR(a.bad_4, b.bad_4, 1e-9);
+  EXPECT_NEAR(a.d1, b.d1, 1e-9);
   EXPECT_NEAR(a.density, b.density, 1e-9);
   EXPECT_NEAR(a.average_px, b.average_px, 1e-5);  // differences are taken in single precision
   EXPECT_NEAR(a.rms_px, b.rms_px, 1e-5);
+  EXPECT_NEAR(a.a50_px, b.a50_px, 1e-5);
+  EXPECT_NEAR(a.a90_px, b.a90_px, 1e-5);
+  EXPECT_NEAR(a.a99_px, b.a99_px, 1e-5);
 }
 
 TEST(EvaluateDisparity, AgreesWithTheDefinitions) {
@@ -106,8 +131,9 @@ TEST(EvaluateDisparity, AgreesWithTheDefinitions) {
     cv::Mat disparity(size, CV_32FC1);
     cv::Mat truth(size, CV_32FC1);
     cv::Mat mask(size, CV_8UC1);
-    rng.fill(disparity, cv::RNG::UNIFORM, 0, 8);
-    rng.fill(truth, cv::RNG::UNIFORM, 0, 8);
+    rng.fill(disparity, cv::RNG::UNIFORM, -20, 100);
+    rng.fill(truth, cv::RNG::UNIFORM, -6, 6);  // errors of up to 6 px,
+    truth += disparity;                        // some of them below 5 % of the truth
     for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
       mask.at<uchar>(i / size.width, i % size.width) = i % 4 == 0 ? 128 : 255;
       truth.at<float>(i / size.width, i % size.width) *= i % 7 == 0 ? kUnknown : 1.0F;
@@ -131,6 +157,28 @@ TEST(EvaluateDisparity, AnErrorOfTheThresholdIsNotBad) {
   EXPECT_EQ(error.bad_4, 0.0);
 }
 
+TEST(EvaluateDisparity, D1NeedsThreePixelsAndFivePercent) {
+  const cv::Mat truth = (cv::Mat_<float>(1, 6) << 10, 10, 100, 100, -100, 100);
+  const cv::Mat disparity = (cv::Mat_<float>(1, 6) << 13, 13.5F, 104, 106, -106, kInvalid);
+  const cv::Mat mask(1, 6, CV_8UC1, cv::Scalar(255));
+  EXPECT_NEAR(evaluateDisparity(disparity, truth, mask, kInvalid).d1, 400.0 / 6.0, 1e-12);
+}
+
+TEST(EvaluateDisparity, QuantilesAreErrorsThatOccur) {
+  for (const int count : {1, 10, 100, 101}) {
+    cv::Mat disparity(1, count, CV_32FC1);
+    for (int x = 0; x < count; ++x) {
+      disparity.at<float>(0, x) = static_cast<float>(count - x);  // errors 1 … count
+    }
+    const cv::Mat mask(1, count, CV_8UC1, cv::Scalar(255));
+    const DisparityError error =
+        evaluateDisparity(disparity, cv::Mat::zeros(1, count, CV_32FC1), mask, kInvalid);
+    EXPECT_EQ(error.a50_px, (count + 1) / 2);
+    EXPECT_EQ(error.a90_px, (9 * count + 9) / 10);
+    EXPECT_EQ(error.a99_px, (99 * count + 99) / 100);
+  }
+}
+
 TEST(EvaluateDisparity, NothingCountedIsAllZero) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const DisparityError error = evaluateDisparity(map, map, cv::Mat::zeros(3, 3, CV_8UC1), kInvalid);
@@ -138,6 +186,7 @@ TEST(EvaluateDisparity, NothingCountedIsAllZero) {
   EXPECT_EQ(error.bad_1, 0.0);
   EXPECT_EQ(error.density, 0.0);
   EXPECT_EQ(error.rms_px, 0.0);
+  EXPECT_EQ(error.a99_px, 0.0);
 }
 
 TEST(EvaluateDisparity, RefusesOtherSizesAndTypes) {

@@ -20,15 +20,20 @@ struct DisparityError {
   double bad_2 = 0.0;       ///< the same with 2 px
   double bad_3 = 0.0;       ///< the same with 3 px
   double bad_4 = 0.0;       ///< the same with 4 px
+  double d1 = 0.0;          ///< the same with 3 px and 5 % of |truth|, both (KITTI 2015)
   double average_px = 0.0;  ///< mean of |d − truth| where there is a disparity
   double rms_px = 0.0;      ///< root of the mean of (d − truth)² where there is a disparity
+  double a50_px = 0.0;      ///< smallest e such that |d − truth| ≤ e at 50 % of those pixels
+  double a90_px = 0.0;      ///< the same with 90 %
+  double a99_px = 0.0;      ///< the same with 99 %
   double density = 0.0;     ///< percent of the counted pixels that have a disparity
   long pixels = 0;          ///< counted pixels: finite truth and mask 255
 };
 
 /// Compares `disparity` with `truth` (both CV_32FC1) where `mask` (CV_8UC1) is 255 and the truth is
 /// finite. A pixel that is `invalid` or not finite has no disparity: it is bad at every threshold
-/// and left out of average and rms. Throws Error when the sizes or types differ from that.
+/// and left out of average, rms and quantiles. Throws Error when the sizes or types differ from
+/// that.
 DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
                                  const cv::Mat& mask, float invalid);
 

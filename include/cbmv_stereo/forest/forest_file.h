@@ -13,6 +13,9 @@ Forest readForest(const std::string& path);
 /// Throws Error if the file cannot be written.
 void writeForest(const Forest& forest, const std::string& path);
 
+/// The checksum that the file holds: eight digits that change with the forest's answers.
+std::string forestChecksum(const Forest& forest);
+
 /// Throws Error that says what is wrong with it, if anything: sizes and ranges of all parts.
 void validateForest(const Forest& forest, const std::string& file_name);
 

@@ -21,9 +21,10 @@ struct StereoCalibration {
 
 /// Reads a Middlebury v3 calib.txt: lines `key=value`, blanks anywhere around key and value. Used
 /// are cam0, cam1 (matrices [f 0 cx; 0 f cy; 0 0 1]), baseline (mm), width, height and ndisp; other
-/// keys are skipped, doffs among them as it follows from the matrices.
+/// keys are skipped, doffs among them as it follows from the matrices. Where ndisp is absent,
+/// disparities is `default_disparities`, at most the width; 0: ndisp must be there.
 /// Throws Error naming the file and the key when one is missing or malformed.
-StereoCalibration readMiddleburyCalibration(const std::string& path);
+StereoCalibration readMiddleburyCalibration(const std::string& path, int default_disparities = 0);
 
 /// Writes those keys and doffs. Throws Error naming the file when it cannot be written.
 void writeMiddleburyCalibration(const std::string& path, const StereoCalibration& calibration);

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/evaluation/disparity_source.h"
+#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "cbmv_stereo/io/data_set.h"
+
+namespace cbmv {
+
+/// What an evaluation tells while it runs; all of them must be set.
+struct EvaluationEvents {
+  std::function<void(const std::string&)> progress;  ///< a line for people
+  std::function<void(const std::string&)> failure;   ///< a scene and what is wrong with it
+  std::function<void(const StereoScene&, const SceneMaps&)> maps;  ///< of a scene that was scored
+  std::function<void(const EvaluationReport&)> scored;             ///< the report has a scene more
+};
+
+/// Scores the scenes, in this order, and puts them into `report`; leaves alone those that are in it
+/// already. A scene that cannot be read, matched or scored is told by `failure` and left out.
+/// Returns how many these are.
+int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scenes,
+                   const DisparitySource& source, const EvaluationEvents& events,
+                   EvaluationReport& report);
+
+/// Takes over into `report`, which has no scenes yet, those of `scenes` that an earlier report of
+/// the same fingerprint holds. Returns how many these are, −1 when the fingerprints differ.
+int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
+                 const std::vector<std::string>& scenes, EvaluationReport& report);
+
+}  // namespace cbmv

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/io/stereo_scene.h"
+
+namespace cbmv {
+
+class SceneReader;
+
+/// Pairs with ground truth in one of these layouts. A scene's `truth` holds all that is known,
+/// `visible` the part of it that both cameras see.
+///
+/// - middlebury_v3: SCENE/ of readMiddleburyScene. ndisp from calib.txt.
+/// - middlebury_2005 (2006 too; third size): SCENE/view1.png (left), view5.png (right), disp1.png
+///   (value / 3, 0 unknown). Visible: where disp5.png, the truth of view5, agrees within 1 px;
+///   without that file visibleInBoth(truth). 85 disparities.
+/// - kitti2012: image_0/SCENE.png (left), image_1 (right), disp_noc (value / 256, 0 unknown; the
+///   visible pixels) and, where it is there, disp_occ, the truth of all pixels. 228 disparities.
+/// - kitti2015: the same with image_2, image_3, disp_noc_0, disp_occ_0.
+/// - eth3d: as middlebury_v3; 64 disparities where calib.txt has no ndisp.
+/// - list: a text file of lines `left right disparity scale [ndisp]`, `#` begins a comment, paths
+///   relative to the file and without blanks. disparity is read by readDisparity, scale is its
+///   divisor. Visible: visibleInBoth(truth). Without ndisp, just what the truth needs. A scene is
+///   called as the left file without extension, with '_' for '/'.
+///
+/// Ranges that are the same for a whole kind are cut to the width of the image. Copies share what
+/// they hold; reading from several threads is safe.
+class DataSet {
+ public:
+  /// `kind_and_folder` is KIND:DIR, or list:FILE. Throws Error naming it when there is no such kind
+  /// or folder, no scene in it, or the list is malformed.
+  static DataSet open(const std::string& kind_and_folder);
+
+  const std::string& kind() const { return kind_; }
+  const std::string& title() const { return title_; }                 ///< for people, without paths
+  const std::vector<std::string>& scenes() const { return scenes_; }  ///< names, sorted
+
+  /// Throws Error naming the scene or file that is missing, malformed, of another size than the
+  /// left image, or has more disparities than columns.
+  StereoScene read(const std::string& scene) const;
+
+  /// Weight of the scene in the official average: 0.5 for PianoL, Playroom, Playtable, Shelves and
+  /// Vintage of Middlebury v3, else 1.
+  double weight(const std::string& scene) const;
+
+ private:
+  DataSet() = default;
+  std::string kind_;
+  std::string title_;
+  std::string name_;  ///< as given to open, for messages
+  std::vector<std::string> scenes_;
+  std::shared_ptr<const SceneReader> reader_;
+};
+
+/// Which scenes a user wants.
+struct SceneFilter {
+  std::vector<std::string> only;      ///< these; empty: all
+  std::vector<std::string> excluded;  ///< none of these
+};
+
+/// A scene of one of several data sets.
+struct SceneReference {
+  DataSet data_set;
+  std::string scene;
+
+  StereoScene read() const { return data_set.read(scene); }
+};
+
+/// The scenes that the filter lets through, in the order of the data sets, by name in each. Throws
+/// Error when the filter names a scene that no data set has, or nothing is left.
+std::vector<SceneReference> chooseScenes(const std::vector<DataSet>& data_sets,
+                                         const SceneFilter& filter);
+
+}  // namespace cbmv

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// Reads disparities as CV_32FC1, px, NaN = unknown: from a portable float map (extension .pfm)
+/// value / divisor, where values that are not finite are unknown; from any other image, which must
+/// be grey with 8 or 16 bits, value / divisor, where 0 is unknown.
+/// Throws Error naming the file when it is missing, malformed or of another type.
+cv::Mat readDisparity(const std::string& path, double divisor);
+
+}  // namespace cbmv

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+
+/// Throws Error naming the map unless it has this type, CV_8UC1 or CV_32FC1, and size.
+inline void requireMap(const cv::Mat& map, const char* name, int type, const cv::Size& size) {
+  if (map.type() != type || map.size() != size) {
+    throw Error(std::string("Cannot evaluate a disparity map: ") + name +
+                " must have the size of the disparity map and the type " +
+                (type == CV_8UC1 ? "CV_8UC1." : "CV_32FC1."));
+  }
+}
+
+inline bool hasDisparity(float disparity, float invalid) {
+  return disparity != invalid && std::isfinite(disparity);
+}
+
+}  // namespace cbmv

@@ -1,0 +1,53 @@
+#include "cbmv_stereo/io/disparity_file.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "binary_file.h"
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/pfm.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Without OpenCV's conversions of colours and depths.
+cv::Mat readIntegers(const std::string& path) {
+  openForReading(path);  // for its errors: OpenCV does not say why it fails
+  cv::Mat image;
+  try {
+    image = cv::imread(path, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.type() != CV_8UC1 && image.type() != CV_16UC1) {
+    image.release();
+  }
+  if (image.empty()) {
+    throw Error("Cannot read " + path + ": disparities must be a .pfm file or a grey image of 8 " +
+                "or 16 bits that OpenCV can decode.");
+  }
+  return image;
+}
+
+}  // namespace
+
+cv::Mat readDisparity(const std::string& path, double divisor) {
+  const bool is_float = std::filesystem::path(path).extension() == ".pfm";
+  const cv::Mat values = is_float ? readPfm(path) : readIntegers(path);
+  cv::Mat disparity;
+  values.convertTo(disparity, CV_32F, 1.0 / divisor);
+  for (auto value = disparity.begin<float>(); value != disparity.end<float>(); ++value) {
+    if (is_float ? !std::isfinite(*value) : *value == 0.0F) {
+      *value = kUnknown;
+    }
+  }
+  return disparity;
+}
+
+}  // namespace cbmv

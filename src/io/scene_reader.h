@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/io/stereo_scene.h"
+
+namespace cbmv {
+
+/// How one kind of data set lists and reads its scenes.
+class SceneReader {
+ public:
+  virtual ~SceneReader() = default;
+  virtual std::vector<std::string> scenes() const = 0;  ///< sorted
+  virtual StereoScene read(const std::string& scene) const = 0;
+};
+
+// Layouts: data_set.h.
+std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder);
+std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder);
+std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder);
+std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder);
+std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder);
+std::unique_ptr<SceneReader> makeListReader(const std::string& file);
+
+}  // namespace cbmv

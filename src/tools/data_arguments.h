@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "cbmv_stereo/io/data_set.h"
+#include "cbmv_stereo/training/forest_training.h"
+
+namespace cbmv {
+
+inline constexpr const char* kDataSetHelp =
+    "KIND:DIR; KIND is middlebury_v3, middlebury_2005 (2006 too), kitti2012, kitti2015 or eth3d; "
+    "or list:FILE, a text file of lines `left right disparity scale [ndisp]`";
+
+/// --dataset, repeatable.
+inline void addDataSetOption(CLI::App& app, std::vector<std::string>& data_sets) {
+  app.add_option("--dataset", data_sets, std::string(kDataSetHelp) + "; repeatable")->required();
+}
+
+inline std::vector<DataSet> openDataSets(const std::vector<std::string>& names) {
+  std::vector<DataSet> data_sets;
+  for (const std::string& name : names) {
+    data_sets.push_back(DataSet::open(name));
+  }
+  return data_sets;
+}
+
+inline void addSceneOptions(CLI::App& app, SceneFilter& filter) {
+  app.add_option("--scenes", filter.only, "Only these scenes, separated by commas")->delimiter(',');
+  app.add_option("--exclude", filter.excluded, "All but these scenes, separated by commas")
+      ->delimiter(',');
+}
+
+inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
+  app.add_option("--pixels-per-scene", options.pixels_per_scene,
+                 "Pixels drawn from each scene for training; each gives up to three samples")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
+  app.add_option("--trees", options.boosting.trees)->capture_default_str();
+  app.add_option("--depth", options.boosting.depth, "Levels a tree")->capture_default_str();
+  app.add_option("--learning-rate", options.boosting.learning_rate)->capture_default_str();
+}
+
+}  // namespace cbmv

@@ -1,0 +1,188 @@
+#include "cbmv_stereo/evaluation/disparity_source.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/error_text.h"
+#include "support/random_forest.h"
+#include "support/temporary_folder.h"
+
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+StereoScene makeScene(int seed) {
+  const RenderedScene rendered = renderScene(64, 32, seed);
+  StereoScene scene;
+  scene.name = "Scene";
+  scene.left = rendered.left;
+  scene.right = rendered.right;
+  scene.truth = rendered.truth;
+  scene.visible = rendered.visible;
+  scene.calibration.width = 64;
+  scene.calibration.height = 32;
+  scene.calibration.disparities = 20;
+  return scene;
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::countNonZero(a != b) == 0;
+}
+
+TEST(MatchingSource, MatchesOverTheRangeOfTheScene) {
+  const auto forest = std::make_shared<Forest>(test::makeForest(8, 4, 3));
+  StereoOptions options;
+  options.refinement.fill_mismatches = false;
+  options.refinement.fill_occlusions = false;
+  const DisparitySource source = matchingSource(forest, options);
+  for (const int disparities : {20, 12}) {
+    StereoScene scene = makeScene(1);
+    scene.calibration.disparities = disparities;
+    options.range = {0, disparities};
+    StereoMatcher matcher(forest, options);
+    StereoResult result = matcher.match(scene.left, scene.right);
+    EXPECT_GT(cv::countNonZero(result.disparity == options.range.invalid()), 0);
+    result.disparity.setTo(kInfinity, result.disparity == options.range.invalid());
+    const SceneMaps maps = source(scene);
+    EXPECT_TRUE(same(maps.disparity, result.disparity));
+    EXPECT_TRUE(same(maps.confidence, result.confidence));
+    EXPECT_GT(maps.seconds, 0.0);
+  }
+}
+
+TEST(MatchingSource, RefusesInconsistentOptions) {
+  StereoOptions options;
+  options.sgm.p1 = options.sgm.p2 + 1.0F;
+  EXPECT_THROW(matchingSource(std::make_shared<Forest>(test::makeForest(1, 1, 1)), options), Error);
+}
+
+TEST(FileSource, ReadsWhatWriteMapsWrote) {
+  const TemporaryFolder folder;
+  const StereoScene scene = makeScene(2);
+  SceneMaps maps;
+  maps.disparity = scene.truth.clone();
+  maps.disparity.at<float>(3, 3) = kInfinity;
+  maps.confidence = cv::Mat(scene.truth.size(), CV_32FC1, cv::Scalar(0.25));
+  writeMaps(folder.file("maps"), scene, maps);
+  SceneMaps read = fileSource(folder.file("maps"))(scene);
+  EXPECT_TRUE(std::isnan(read.disparity.at<float>(3, 3)));
+  maps.disparity.at<float>(3, 3) = 0.0F;
+  read.disparity.at<float>(3, 3) = 0.0F;
+  EXPECT_TRUE(same(read.disparity, maps.disparity));
+  EXPECT_TRUE(same(read.confidence, maps.confidence));
+  EXPECT_TRUE(std::isnan(read.seconds));
+}
+
+TEST(FileSource, ReadsIntegersWithoutConfidence) {
+  const TemporaryFolder folder;
+  const StereoScene scene = makeScene(2);
+  cv::Mat integers(scene.truth.size(), CV_16UC1, cv::Scalar(640));
+  integers.at<std::uint16_t>(0, 0) = 0;
+  writeImage(folder.file("Scene.png"), integers);
+  const SceneMaps maps = fileSource(folder.file(""))(scene);
+  EXPECT_EQ(maps.disparity.at<float>(1, 1), 2.5F);
+  EXPECT_TRUE(std::isnan(maps.disparity.at<float>(0, 0)));
+  EXPECT_TRUE(maps.confidence.empty());
+}
+
+TEST(FileSource, NamesTheFileThatIsWrong) {
+  const TemporaryFolder folder;
+  const StereoScene scene = makeScene(2);
+  const auto error = [&](const std::string& file) {
+    const std::string text = errorText([&] { fileSource(folder.file(""))(scene); });
+    EXPECT_TRUE(mentions(text, {file}));
+    return text;
+  };
+  EXPECT_TRUE(mentions(error("Scene.pfm"), {"no such file"}));
+  writePfm(folder.file("Scene.pfm"), cv::Mat::zeros(3, 4, CV_32FC1));
+  EXPECT_TRUE(mentions(error("Scene.pfm"), {"4x3", "64x32"}));
+  writePfm(folder.file("Scene.pfm"), scene.truth);
+  writePfm(folder.file("Scene_confidence.pfm"), cv::Mat::zeros(3, 4, CV_32FC1));
+  EXPECT_TRUE(mentions(error("Scene_confidence.pfm"), {"4x3", "64x32"}));
+}
+
+TEST(Folds, HoldEachSceneOnce) {
+  std::set<std::string> scenes;
+  for (const std::vector<std::string>& fold : middleburyFolds()) {
+    EXPECT_EQ(fold.size(), 5U);
+    scenes.insert(fold.begin(), fold.end());
+  }
+  EXPECT_EQ(scenes.size(), 15U);
+  EXPECT_EQ(orderByFold({"Adirondack", "Piano", "Teddy", "Recycle", "ArtL"}),
+            (std::vector<std::string>{"Recycle", "Teddy", "Adirondack", "ArtL", "Piano"}));
+  EXPECT_TRUE(mentions(errorText([] { orderByFold({"Teddy", "Backpack"}); }), {"Backpack"}));
+}
+
+/// A data set of rendered scenes under names of Middlebury.
+class FoldSource : public testing::Test {
+ protected:
+  std::vector<SceneReference> write(const std::vector<std::string>& names) const {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const StereoScene scene = makeScene(static_cast<int>(i));
+      const std::string base = folder_.file(names[i]) + "/";
+      std::filesystem::create_directory(base);
+      writeImage(base + "im0.png", scene.left);
+      writeImage(base + "im1.png", scene.right);
+      writePfm(base + "disp0GT.pfm", scene.truth);
+      writeMiddleburyCalibration(base + "calib.txt", {500, 32, 32, 16, 0.1, 64, 32, 20});
+    }
+    return chooseScenes({DataSet::open("middlebury_v3:" + folder_.file(""))}, {});
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(FoldSource, MatchesWithAForestThatSawTheOtherFoldsOnly) {
+  const std::vector<SceneReference> scenes = write({"Teddy", "Recycle", "ArtL", "Piano"});
+  TrainingOptions training;
+  training.boosting.trees = 3;
+  training.boosting.depth = 3;
+  training.pixels_per_scene = 500;
+  std::string log;
+  const DisparitySource source = foldSource(scenes, training, {}, [&](const std::string& line) {
+    log += line.substr(0, line.find(',')) + "\n";
+  });
+  const std::string trained = "tree 3 of 3\n";
+  const auto run = [&](const SceneReference& scene) {
+    log.clear();
+    const SceneMaps maps = source(scene.read());
+    EXPECT_EQ(maps.disparity.size(), cv::Size(64, 32));
+    return log;
+  };
+  EXPECT_EQ(run(scenes[2]),
+            "training the forest of fold 1\nsampled ArtL\nsampled Piano\n" + trained);
+  EXPECT_EQ(run(scenes[3]), "");  // Teddy, same fold as Recycle
+  EXPECT_EQ(run(scenes[0]),
+            "training the forest of fold 2\nsampled Piano\nsampled Recycle\n"
+            "sampled Teddy\n" +
+                trained);
+  const auto forest = std::make_shared<Forest>(
+      trainOnScenes({scenes[0], scenes[2], scenes[3]}, training, [](const std::string&) {}));
+  EXPECT_TRUE(same(source(scenes[1].read()).disparity,
+                   matchingSource(forest, {})(scenes[1].read()).disparity));
+}
+
+TEST_F(FoldSource, NeedsScenesOfOtherFolds) {
+  const std::vector<SceneReference> scenes = write({"Teddy", "Recycle"});
+  const DisparitySource source = foldSource(scenes, {}, {}, [](const std::string&) {});
+  EXPECT_TRUE(mentions(errorText([&] { source(scenes[0].read()); }), {"fold 1", "no scene"}));
+  EXPECT_TRUE(
+      mentions(errorText([&] { foldSource(write({"Other"}), {}, {}, nullptr); }), {"scene Other"}));
+}
+
+}  // namespace
+}  // namespace cbmv

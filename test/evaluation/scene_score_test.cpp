@@ -1,0 +1,129 @@
+#include "cbmv_stereo/evaluation/scene_score.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "support/error_text.h"
+
+#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "cbmv_stereo/evaluation/sparsification.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+double metric(const MetricValues& values, const std::string& name) {
+  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
+    if (name == kMetrics[m].name) {
+      return values[m];
+    }
+  }
+  ADD_FAILURE() << name;
+  return 0.0;
+}
+
+StereoScene makeScene() {
+  StereoScene scene;
+  scene.name = "Scene";
+  scene.truth = cv::Mat(2, 5, CV_32FC1, cv::Scalar(4));
+  scene.truth.at<float>(1, 4) = std::numeric_limits<float>::quiet_NaN();
+  scene.visible = (cv::Mat_<uchar>(2, 5) << 0, 255, 255, 255, 255, 0, 255, 255, 255, 0);
+  scene.calibration.disparities = 20;
+  return scene;
+}
+
+SceneMaps makeMaps() {
+  SceneMaps maps;
+  maps.disparity = (cv::Mat_<float>(2, 5) << 9, 4, 4.7F, 5.5F, 6.5F, 4, 7.5F, 8.5F, kInfinity, 4);
+  maps.confidence = (cv::Mat_<float>(2, 5) << 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  maps.seconds = 2.0;
+  return maps;
+}
+
+void expectMetrics(const MetricValues& values, const DisparityError& error,
+                   const Sparsification& sparsification) {
+  EXPECT_EQ(metric(values, "bad_0.5"), error.bad_05);
+  EXPECT_EQ(metric(values, "bad_1"), error.bad_1);
+  EXPECT_EQ(metric(values, "bad_2"), error.bad_2);
+  EXPECT_EQ(metric(values, "bad_3"), error.bad_3);
+  EXPECT_EQ(metric(values, "bad_4"), error.bad_4);
+  EXPECT_EQ(metric(values, "d1"), error.d1);
+  EXPECT_EQ(metric(values, "avg"), error.average_px);
+  EXPECT_EQ(metric(values, "rms"), error.rms_px);
+  EXPECT_EQ(metric(values, "a50"), error.a50_px);
+  EXPECT_EQ(metric(values, "a90"), error.a90_px);
+  EXPECT_EQ(metric(values, "a99"), error.a99_px);
+  EXPECT_EQ(metric(values, "auc"), sparsification.auc);
+  EXPECT_EQ(metric(values, "auc_optimal"), sparsification.auc_optimal);
+}
+
+TEST(SceneScore, HasTheMetricsOfVisibleAndOfAllPixels) {
+  const StereoScene scene = makeScene();
+  const SceneMaps maps = makeMaps();
+  const SceneScore score = scoreScene(scene, maps);
+  const cv::Mat everywhere(2, 5, CV_8UC1, cv::Scalar(255));
+  EXPECT_EQ(score.scene, "Scene");
+  for (const auto& [values, mask] :
+       {std::make_pair(score.noc, scene.visible), std::make_pair(score.all, everywhere)}) {
+    expectMetrics(values, evaluateDisparity(maps.disparity, scene.truth, mask, kInfinity),
+                  sparsify(maps.disparity, maps.confidence, scene.truth, mask, kInfinity));
+  }
+  EXPECT_NEAR(metric(score.noc, "bad_0.5"), 600.0 / 7.0, 1e-12);
+  EXPECT_NEAR(metric(score.all, "bad_0.5"), 700.0 / 9.0, 1e-12);
+  EXPECT_NEAR(score.density, 800.0 / 9.0, 1e-12);
+  EXPECT_EQ(score.seconds, 2.0);
+  EXPECT_NEAR(score.ns_per_hypothesis, 2e9 / (10 * 20), 1e-3);
+}
+
+TEST(SceneScore, LeavesOpenWhatIsNotKnown) {
+  SceneMaps maps = makeMaps();
+  maps.confidence.release();
+  maps.seconds = kNotMeasured;
+  const SceneScore score = scoreScene(makeScene(), maps);
+  EXPECT_TRUE(std::isnan(metric(score.noc, "auc")));
+  EXPECT_TRUE(std::isnan(metric(score.all, "auc_optimal")));
+  EXPECT_TRUE(std::isnan(score.seconds));
+  EXPECT_TRUE(std::isnan(score.ns_per_hypothesis));
+}
+
+TEST(SceneScore, RefusesASceneWithoutVisiblePixels) {
+  StereoScene scene = makeScene();
+  scene.visible = 128;
+  EXPECT_TRUE(mentions(errorText([&] { scoreScene(scene, makeMaps()); }), {"no pixel"}));
+}
+
+TEST(SceneScore, MeansAreOverScenesAndByWeight) {
+  SceneScore a;
+  a.noc.fill(10.0);
+  a.all.fill(20.0);
+  a.density = 100.0;
+  a.seconds = 1.0;
+  a.ns_per_hypothesis = 8.0;
+  SceneScore b = a;
+  b.weight = 0.5;
+  b.noc.fill(40.0);
+  b.all.fill(80.0);
+  b.density = 70.0;
+  b.seconds = 4.0;
+  const SceneScore mean = meanScore({a, b}, false);
+  const SceneScore weighted = meanScore({a, b}, true);
+  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
+    EXPECT_NEAR(mean.noc[m], 25.0, 1e-12);
+    EXPECT_NEAR(mean.all[m], 50.0, 1e-12);
+    EXPECT_NEAR(weighted.noc[m], 20.0, 1e-12);
+    EXPECT_NEAR(weighted.all[m], 40.0, 1e-12);
+  }
+  EXPECT_NEAR(mean.density, 85.0, 1e-12);
+  EXPECT_NEAR(weighted.density, 90.0, 1e-12);
+  EXPECT_NEAR(weighted.seconds, 2.0, 1e-12);
+  EXPECT_NEAR(weighted.ns_per_hypothesis, 8.0, 1e-12);
+  EXPECT_EQ(mean.scene, "mean");
+  EXPECT_EQ(weighted.scene, "weighted mean");
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,141 @@
+#include "cbmv_stereo/evaluation/sparsification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/disparity_error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kInvalid = -1.0F;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+bool isBad(float disparity, float truth) {
+  return disparity == kInvalid || !std::isfinite(disparity) || std::abs(disparity - truth) > 1.0F;
+}
+
+/// Bad pixels, in percent, among the best `kept` of the counted ones: each pixel is taken with the
+/// part of it that is left after all better pixels, shared with its equals.
+double naiveBad(const cv::Mat& disparity, const cv::Mat& score, const cv::Mat& truth,
+                const cv::Mat& mask, double kept) {
+  double bad = 0.0;
+  for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
+    if (mask.at<uchar>(i) != 255 || !std::isfinite(truth.at<float>(i)) ||
+        !isBad(disparity.at<float>(i), truth.at<float>(i))) {
+      continue;
+    }
+    double better = 0.0;
+    double equal = 0.0;
+    for (int j = 0; j < static_cast<int>(truth.total()); ++j) {
+      if (mask.at<uchar>(j) == 255 && std::isfinite(truth.at<float>(j))) {
+        better += score.at<float>(j) > score.at<float>(i) ? 1.0 : 0.0;
+        equal += score.at<float>(j) == score.at<float>(i) ? 1.0 : 0.0;
+      }
+    }
+    bad += std::min(1.0, std::max(0.0, (kept - better) / equal));
+  }
+  return 100.0 * bad / kept;
+}
+
+void expectNaive(const cv::Mat& disparity, const cv::Mat& confidence, const cv::Mat& truth,
+                 const cv::Mat& mask) {
+  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid);
+  const auto pixels =
+      static_cast<double>(evaluateDisparity(disparity, truth, mask, kInvalid).pixels);
+  cv::Mat oracle(truth.size(), CV_32FC1);
+  cv::Mat score = confidence.clone();
+  for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
+    oracle.at<float>(i) = isBad(disparity.at<float>(i), truth.at<float>(i)) ? 0.0F : 1.0F;
+    score.at<float>(i) = std::isnan(confidence.at<float>(i)) ? -99.0F : confidence.at<float>(i);
+  }
+  double auc = 0.0;
+  double auc_optimal = 0.0;
+  ASSERT_EQ(result.bad_1.size(), 100U);
+  for (int k = 0; k < 100; ++k) {
+    const double kept = pixels * (k + 1) / 100.0;
+    const double expected = naiveBad(disparity, score, truth, mask, kept);
+    ASSERT_NEAR(result.bad_1[static_cast<std::size_t>(k)], expected, 1e-9) << k;
+    auc += expected / 100.0;
+    auc_optimal += naiveBad(disparity, oracle, truth, mask, kept) / 100.0;
+  }
+  EXPECT_NEAR(result.auc, auc, 1e-9);
+  EXPECT_NEAR(result.auc_optimal, auc_optimal, 1e-9);
+  EXPECT_LE(result.auc_optimal, result.auc + 1e-9);
+}
+
+TEST(Sparsification, AgreesWithTheDefinition) {
+  cv::RNG rng(5);
+  for (const int columns : {1, 7, 100, 231}) {
+    for (const int levels : {1, 3, 1000}) {  // of confidence: from all equal to hardly any
+      cv::Mat disparity(1, columns, CV_32FC1);
+      cv::Mat truth(1, columns, CV_32FC1);
+      cv::Mat confidence(1, columns, CV_32FC1);
+      cv::Mat mask(1, columns, CV_8UC1, cv::Scalar(255));
+      rng.fill(truth, cv::RNG::UNIFORM, 0, 4);
+      rng.fill(disparity, cv::RNG::UNIFORM, 0, 4);
+      for (int x = 0; x < columns; ++x) {
+        confidence.at<float>(x) = static_cast<float>(rng.uniform(0, levels));
+        if (x % 5 == 4) {
+          mask.at<uchar>(x) = 128;
+          disparity.at<float>(x - 1) = x % 2 == 0 ? kInvalid : kNan;
+          truth.at<float>(x - 2) = kNan;
+          confidence.at<float>(x - 3) = levels > 1 ? kNan : 0.0F;
+        }
+      }
+      expectNaive(disparity, confidence, truth, mask);
+    }
+  }
+}
+
+TEST(Sparsification, MatchesAHandComputedCase) {
+  // Four pixels, the second best is bad. Among the best quarter no pixel is bad; then all of the
+  // bad pixel's parts come; at 50 % half, at 75 % a third, at 100 % a quarter of the pixels is bad.
+  const cv::Mat truth = cv::Mat::zeros(2, 2, CV_32FC1);
+  const cv::Mat disparity = (cv::Mat_<float>(2, 2) << 0, 5, 1, 0.5F);
+  const cv::Mat confidence = (cv::Mat_<float>(2, 2) << 0.9F, 0.8F, 0.7F, 0.6F);
+  const cv::Mat mask(2, 2, CV_8UC1, cv::Scalar(255));
+  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid);
+  EXPECT_NEAR(result.bad_1[24], 0.0, 1e-12);
+  EXPECT_NEAR(result.bad_1[49], 50.0, 1e-12);
+  EXPECT_NEAR(result.bad_1[74], 100.0 / 3.0, 1e-12);
+  EXPECT_NEAR(result.bad_1[99], 25.0, 1e-12);
+  // The optimum: a share of e = 1/4 bad pixels has area e + (1 − e) ln(1 − e), here in 100 steps.
+  EXPECT_NEAR(result.auc_optimal, 100.0 * (0.25 + 0.75 * std::log(0.75)), 0.2);
+}
+
+TEST(Sparsification, AConfidenceThatKnowsNothingHasTheErrorOfAllPixels) {
+  const cv::Mat truth = cv::Mat::zeros(4, 5, CV_32FC1);
+  cv::Mat disparity = truth.clone();
+  disparity.rowRange(0, 1) = 7.0F;
+  const cv::Mat mask(4, 5, CV_8UC1, cv::Scalar(255));
+  const Sparsification result =
+      sparsify(disparity, cv::Mat::ones(4, 5, CV_32FC1), truth, mask, kInvalid);
+  EXPECT_NEAR(result.auc, 25.0, 1e-9);
+  EXPECT_NEAR(result.bad_1.front(), 25.0, 1e-9);
+}
+
+TEST(Sparsification, NothingCountedIsAllZero) {
+  const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
+  const Sparsification result = sparsify(map, map, map, cv::Mat::zeros(3, 3, CV_8UC1), kInvalid);
+  EXPECT_EQ(result.auc, 0.0);
+  EXPECT_EQ(result.auc_optimal, 0.0);
+  EXPECT_EQ(result.bad_1, std::vector<double>(100, 0.0));
+}
+
+TEST(Sparsification, RefusesOtherSizesAndTypes) {
+  const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
+  const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
+  EXPECT_THROW(sparsify(map, map.rowRange(0, 2), map, mask, kInvalid), Error);
+  EXPECT_THROW(sparsify(map, mask, map, mask, kInvalid), Error);
+  EXPECT_THROW(sparsify(map, map, map, mask.colRange(0, 2), kInvalid), Error);
+  EXPECT_THROW(sparsify(map, map, map.colRange(0, 2), mask, kInvalid), Error);
+}
+
+}  // namespace
+}  // namespace cbmv
