@@ -11,14 +11,14 @@
 namespace cbmv {
 
 /// The features of one matcher. Each confidence is computed in both matching directions (Batsos et
-/// al. 2018, section 3.2); the forest sees the lower and the higher of the two, so that swapping left
-/// and right cannot change its answer. A forest sees only the order of a feature's values, so
+/// al. 2018, section 3.2); the forest sees the lower and the higher of the two, so that swapping
+/// left and right cannot change its answer. A forest sees only the order of a feature's values, so
 /// each stands in a domain where it is cheap to compute:
 ///   kCost              C for census, log(C + ε) for the others
 ///   kRatioLow, -High   log R = log(c_min + ε) − log(C + ε)
 ///   kLikelihoodLow, -High   log L = −(C − c_min)² / 2σ² − log Σ_i exp(−(C_i − c_min)² / 2σ²)
-/// where c_min and the sum run over all hypotheses of the left pixel, respectively of the right one,
-/// whose match lies inside of the other image.
+/// where c_min and the sum run over all hypotheses of the left pixel, respectively of the right
+/// one, whose match lies inside of the other image.
 enum Feature { kCost, kRatioLow, kRatioHigh, kLikelihoodLow, kLikelihoodHigh };
 constexpr int kFeaturesPerMatcher = 5;
 constexpr int kFeatureCount = kMatcherCount * kFeaturesPerMatcher;
@@ -35,10 +35,10 @@ struct MatcherConstants {
   bool logarithmic_cost;    ///< kCost is log(C + ε)
 };
 constexpr std::array<MatcherConstants, kMatcherCount> kMatcherConstants = {{
-    {0.01F, 128.0F, false},  // census
-    {1.01F, 0.02F, true},    // NCC
-    {0.01F, 20000.0F, true}, // zero-mean SAD
-    {0.01F, 20000.0F, true}, // Sobel SAD
+    {0.01F, 128.0F, false},   // census
+    {1.01F, 0.02F, true},     // NCC
+    {0.01F, 20000.0F, true},  // zero-mean SAD
+    {0.01F, 20000.0F, true},  // Sobel SAD
 }};
 
 /// What the confidences need of a pixel of one view, for one matcher; a value a column.
@@ -59,8 +59,8 @@ struct RowTerms {
 void computeRowTerms(const CostRow& costs, int width, const DisparityRange& range,
                      const MatcherConstants& constants, RowTerms& terms);
 
-/// The features of one matcher at one disparity: `values[feature]` points to `width` values, of which
-/// those in matchedColumns(width, range.min + i) are written.
+/// The features of one matcher at one disparity: `values[feature]` points to `width` values, of
+/// which those in matchedColumns(width, range.min + i) are written.
 using FeatureLines = std::array<float*, kFeaturesPerMatcher>;
 void computeFeatures(const CostRow& costs, const RowTerms& terms, int width,
                      const DisparityRange& range, int i, const MatcherConstants& constants,
@@ -72,6 +72,7 @@ struct CodeMap {
   float scale = 1;
   float offset = 0;
 };
+using MatcherCodeMaps = std::array<CodeMap, kFeaturesPerMatcher>;
 
 /// The maps of all features. Low and high of a confidence share one map.
 struct FeatureQuantizer {
@@ -80,5 +81,11 @@ struct FeatureQuantizer {
 
 /// Codes of `count` values.
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes);
+
+/// The codes of what computeFeatures computes, without the way through memory.
+using CodeLines = std::array<std::uint8_t*, kFeaturesPerMatcher>;
+void computeCodes(const CostRow& costs, const RowTerms& terms, int width,
+                  const DisparityRange& range, int i, const MatcherConstants& constants,
+                  const MatcherCodeMaps& maps, const CodeLines& codes);
 
 }  // namespace cbmv
