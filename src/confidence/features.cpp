@@ -1,68 +1,190 @@
 #include "cbmv_stereo/confidence/features.h"
 
-#include <algorithm>
 #include <limits>
 
-#include "fast_math.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "confidence/features.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
 
+#include "confidence/fast_math-inl.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+
+/// c_min of both views.
+void findLowestCosts(const CostRow& costs, int width, const DisparityRange& range,
+                     RowTerms& terms) {
+  float* left = terms.left.lowest_cost.data();
+  float* right = terms.right.lowest_cost.data();
+  for (int i = 0; i < range.count; ++i) {
+    const int d = range.min + i;
+    const ColumnSpan span = matchedColumns(width, d);
+    const float* line = costs.line(i);
+    forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+      const auto cost = hn::LoadU(tag, line + x);
+      hn::StoreU(hn::Min(hn::LoadU(tag, left + x), cost), tag, left + x);
+      hn::StoreU(hn::Min(hn::LoadU(tag, right + x - d), cost), tag, right + x - d);
+    });
+  }
+}
+
+/// −(C − c_min)² / 2σ²
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V logLikelihood(D tag, V cost, const float* lowest, float two_sigma_squared) {
+  const V difference = hn::Sub(cost, hn::LoadU(tag, lowest));
+  return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, -1.0F / two_sigma_squared));
+}
+
+/// Adds exp(value) to the lanes of `sums` behind the first `done`.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void addExp(D tag, V value, int done, float* sums) {
+  const V before = hn::LoadU(tag, sums);
+  const V after = hn::Add(before, expOfNegative(tag, value));
+  hn::StoreU(hn::IfThenElse(hn::FirstN(tag, done), before, after), tag, sums);
+}
+
+/// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
+void sumLikelihoods(const CostRow& costs, int width, const DisparityRange& range,
+                    float two_sigma_squared, RowTerms& terms) {
+  const float* left_lowest = terms.left.lowest_cost.data();
+  const float* right_lowest = terms.right.lowest_cost.data();
+  float* left = terms.left.log_sum.data();
+  float* right = terms.right.log_sum.data();
+  for (int i = 0; i < range.count; ++i) {
+    const int d = range.min + i;
+    const ColumnSpan span = matchedColumns(width, d);
+    const float* line = costs.line(i);
+    forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
+      const auto cost = hn::LoadU(tag, line + x);
+      addExp(tag, logLikelihood(tag, cost, left_lowest + x, two_sigma_squared), done, left + x);
+      addExp(tag, logLikelihood(tag, cost, right_lowest + x - d, two_sigma_squared), done,
+             right + x - d);
+    });
+  }
+}
+
+void takeLogarithms(float epsilon, PixelTerms& terms) {
+  const float* lowest = terms.lowest_cost.data();
+  float* log_lowest = terms.log_lowest_cost.data();
+  float* log_sum = terms.log_sum.data();
+  const int width = static_cast<int>(terms.lowest_cost.size());
+  forLanes(Floats(), 0, width, [=](auto tag, int x, int done) HWY_ATTR {
+    const auto shifted = hn::Add(hn::LoadU(tag, lowest + x), hn::Set(tag, epsilon));
+    hn::StoreU(logOfPositive(tag, shifted), tag, log_lowest + x);
+    const auto sum = hn::LoadU(tag, log_sum + x);
+    hn::StoreU(hn::IfThenElse(hn::FirstN(tag, done), sum, logOfPositive(tag, sum)), tag,
+               log_sum + x);
+  });
+}
+
+void fillTerms(const CostRow& costs, int width, const DisparityRange& range,
+               const MatcherConstants& constants, RowTerms& terms) {
+  findLowestCosts(costs, width, range, terms);
+  sumLikelihoods(costs, width, range, constants.two_sigma_squared, terms);
+  takeLogarithms(constants.epsilon, terms.left);
+  takeLogarithms(constants.epsilon, terms.right);
+}
+
+/// The terms of the pixels of one view that a line's hypotheses match.
+struct TermLines {
+  const float* lowest_cost;
+  const float* log_lowest_cost;
+  const float* log_sum;
+
+  TermLines(const PixelTerms& terms, int shift)
+      : lowest_cost(terms.lowest_cost.data() - shift),
+        log_lowest_cost(terms.log_lowest_cost.data() - shift),
+        log_sum(terms.log_sum.data() - shift) {}
+};
+
+/// Passes vectors of features to `sink(tag, feature, x, values)`.
+template <class Sink>
+HWY_INLINE void forFeatures(const CostRow& costs, const RowTerms& terms, int width,
+                            const DisparityRange& range, int i, const MatcherConstants& constants,
+                            const Sink& sink) {
+  const int d = range.min + i;
+  const ColumnSpan span = matchedColumns(width, d);
+  const float* line = costs.line(i);
+  const TermLines left(terms.left, 0);
+  const TermLines right(terms.right, d);
+  const MatcherConstants c = constants;
+  forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+    const auto cost = hn::LoadU(tag, line + x);
+    const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
+    sink(tag, kCost, x, c.logarithmic_cost ? log_cost : cost);
+    const auto left_ratio = hn::Sub(hn::LoadU(tag, left.log_lowest_cost + x), log_cost);
+    const auto right_ratio = hn::Sub(hn::LoadU(tag, right.log_lowest_cost + x), log_cost);
+    sink(tag, kRatioLow, x, hn::Min(left_ratio, right_ratio));
+    sink(tag, kRatioHigh, x, hn::Max(left_ratio, right_ratio));
+    const auto left_likelihood =
+        hn::Sub(logLikelihood(tag, cost, left.lowest_cost + x, c.two_sigma_squared),
+                hn::LoadU(tag, left.log_sum + x));
+    const auto right_likelihood =
+        hn::Sub(logLikelihood(tag, cost, right.lowest_cost + x, c.two_sigma_squared),
+                hn::LoadU(tag, right.log_sum + x));
+    sink(tag, kLikelihoodLow, x, hn::Min(left_likelihood, right_likelihood));
+    sink(tag, kLikelihoodHigh, x, hn::Max(left_likelihood, right_likelihood));
+  });
+}
+
+void writeFeatures(const CostRow& costs, const RowTerms& terms, int width,
+                   const DisparityRange& range, int i, const MatcherConstants& constants,
+                   const FeatureLines& values) {
+  forFeatures(costs, terms, width, range, i, constants,
+              [lines = values](auto tag, int feature, int x, auto value)
+                  HWY_ATTR { hn::StoreU(value, tag, lines[feature] + x); });
+}
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void storeCodes(D tag, V values, float scale, float offset, std::uint8_t* codes) {
+  const V code = hn::Add(hn::Mul(hn::Set(tag, scale), values), hn::Set(tag, offset));
+  const V cut = hn::Min(hn::Max(code, hn::Zero(tag)), hn::Set(tag, 255.0F));
+  const hn::RebindToUnsigned<D> integer;
+  const auto low_byte = hn::And(lowBitsOfWhole(tag, hn::Trunc(cut)), hn::Set(integer, 0xffU));
+  hn::StoreU(hn::U8FromU32(low_byte), hn::Rebind<std::uint8_t, D>(), codes);
+}
+
+void writeCodes(const CostRow& costs, const RowTerms& terms, int width, const DisparityRange& range,
+                int i, const MatcherConstants& constants, const MatcherCodeMaps& maps,
+                const CodeLines& codes) {
+  forFeatures(costs, terms, width, range, i, constants,
+              [maps, codes](auto tag, int feature, int x, auto value) HWY_ATTR {
+                storeCodes(tag, value, maps[feature].scale, maps[feature].offset,
+                           codes[feature] + x);
+              });
+}
+
+void quantizeValues(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
+  forLanes(Floats(), 0, count, [=](auto tag, int x, int) HWY_ATTR {
+    storeCodes(tag, hn::LoadU(tag, values + x), map.scale, map.offset, codes + x);
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
+
+HWY_EXPORT(fillTerms);
+HWY_EXPORT(writeFeatures);
+HWY_EXPORT(writeCodes);
+HWY_EXPORT(quantizeValues);
 
 void resizeTerms(PixelTerms& terms, int width) {
   terms.lowest_cost.assign(width, std::numeric_limits<float>::max());
   terms.log_lowest_cost.resize(width);
   terms.log_sum.assign(width, 0.0F);
-}
-
-/// c_min of both views.
-void findLowestCosts(const CostRow& costs, int width, const DisparityRange& range,
-                     RowTerms& terms) {
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
-    const float* line = costs.line(i);
-    float* left = terms.left.lowest_cost.data();
-    float* right = terms.right.lowest_cost.data();
-    for (int x = span.begin; x < span.end; ++x) {
-      left[x] = std::min(left[x], line[x]);
-    }
-    for (int x = span.begin; x < span.end; ++x) {
-      right[x - d] = std::min(right[x - d], line[x]);
-    }
-  }
-}
-
-inline float exponentOf(float cost, float lowest, float inverse) {
-  const float difference = cost - lowest;
-  return -(difference * difference) * inverse;
-}
-
-/// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
-void sumLikelihoods(const CostRow& costs, int width, const DisparityRange& range, float inverse,
-                    RowTerms& terms) {
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
-    const float* line = costs.line(i);
-    const float* left_lowest = terms.left.lowest_cost.data();
-    const float* right_lowest = terms.right.lowest_cost.data();
-    float* left = terms.left.log_sum.data();
-    float* right = terms.right.log_sum.data();
-    for (int x = span.begin; x < span.end; ++x) {
-      left[x] += expOfNegative(exponentOf(line[x], left_lowest[x], inverse));
-    }
-    for (int x = span.begin; x < span.end; ++x) {
-      right[x - d] += expOfNegative(exponentOf(line[x], right_lowest[x - d], inverse));
-    }
-  }
-}
-
-void takeLogarithms(PixelTerms& terms, float epsilon) {
-  const int width = static_cast<int>(terms.lowest_cost.size());
-  for (int x = 0; x < width; ++x) {
-    terms.log_lowest_cost[x] = logOfPositive(terms.lowest_cost[x] + epsilon);
-    terms.log_sum[x] = logOfPositive(terms.log_sum[x]);
-  }
 }
 
 }  // namespace
@@ -71,45 +193,24 @@ void computeRowTerms(const CostRow& costs, int width, const DisparityRange& rang
                      const MatcherConstants& constants, RowTerms& terms) {
   resizeTerms(terms.left, width);
   resizeTerms(terms.right, width);
-  findLowestCosts(costs, width, range, terms);
-  sumLikelihoods(costs, width, range, 1.0F / constants.two_sigma_squared, terms);
-  takeLogarithms(terms.left, constants.epsilon);
-  takeLogarithms(terms.right, constants.epsilon);
+  HWY_DYNAMIC_DISPATCH(fillTerms)(costs, width, range, constants, terms);
 }
 
 void computeFeatures(const CostRow& costs, const RowTerms& terms, int width,
                      const DisparityRange& range, int i, const MatcherConstants& constants,
                      const FeatureLines& values) {
-  const int d = range.min + i;
-  const ColumnSpan span = matchedColumns(width, d);
-  const float* line = costs.line(i);
-  const float inverse = 1.0F / constants.two_sigma_squared;
-  const PixelTerms& left = terms.left;
-  const PixelTerms& right = terms.right;
-  for (int x = span.begin; x < span.end; ++x) {
-    const float log_cost = logOfPositive(line[x] + constants.epsilon);
-    const float left_ratio = left.log_lowest_cost[x] - log_cost;
-    const float right_ratio = right.log_lowest_cost[x - d] - log_cost;
-    values[kCost][x] = constants.logarithmic_cost ? log_cost : line[x];
-    values[kRatioLow][x] = std::min(left_ratio, right_ratio);
-    values[kRatioHigh][x] = std::max(left_ratio, right_ratio);
-  }
-  for (int x = span.begin; x < span.end; ++x) {
-    const float left_likelihood =
-        exponentOf(line[x], left.lowest_cost[x], inverse) - left.log_sum[x];
-    const float right_likelihood =
-        exponentOf(line[x], right.lowest_cost[x - d], inverse) - right.log_sum[x - d];
-    values[kLikelihoodLow][x] = std::min(left_likelihood, right_likelihood);
-    values[kLikelihoodHigh][x] = std::max(left_likelihood, right_likelihood);
-  }
+  HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, width, range, i, constants, values);
+}
+
+void computeCodes(const CostRow& costs, const RowTerms& terms, int width,
+                  const DisparityRange& range, int i, const MatcherConstants& constants,
+                  const MatcherCodeMaps& maps, const CodeLines& codes) {
+  HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, width, range, i, constants, maps, codes);
 }
 
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
-  for (int i = 0; i < count; ++i) {
-    const float code = map.scale * values[i] + map.offset;
-    codes[i] = static_cast<std::uint8_t>(
-        static_cast<std::int32_t>(std::min(std::max(code, 0.0F), 255.0F)));
-  }
+  HWY_DYNAMIC_DISPATCH(quantizeValues)(map, values, count, codes);
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

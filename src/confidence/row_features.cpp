@@ -6,7 +6,6 @@ void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
                              const DisparityRange& range) {
   width_ = width;
   range_ = range;
-  values_.resize(static_cast<std::size_t>(width) * kFeatureCount);
   matchers.computeRow(y, range, scratch_, costs_);
   for (int m = 0; m < kMatcherCount; ++m) {
     computeRowTerms(costs_[m], width, range, kMatcherConstants[m], terms_[m]);
@@ -14,12 +13,26 @@ void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
 }
 
 void RowFeatures::compute(int i) {
+  values_.resize(lineOffset(kFeatureCount));
   for (int m = 0; m < kMatcherCount; ++m) {
     FeatureLines lines{};
     for (int f = 0; f < kFeaturesPerMatcher; ++f) {
-      lines[f] = values_.data() + static_cast<std::size_t>(featureIndex(m, f)) * width_;
+      lines[f] = values_.data() + lineOffset(featureIndex(m, f));
     }
     computeFeatures(costs_[m], terms_[m], width_, range_, i, kMatcherConstants[m], lines);
+  }
+}
+
+void RowFeatures::computeCodes(int i, const FeatureQuantizer& quantizer) {
+  codes_.resize(lineOffset(kFeatureCount));
+  for (int m = 0; m < kMatcherCount; ++m) {
+    CodeLines lines{};
+    MatcherCodeMaps maps{};
+    for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+      lines[f] = codes_.data() + lineOffset(featureIndex(m, f));
+      maps[f] = quantizer.maps[featureIndex(m, f)];
+    }
+    cbmv::computeCodes(costs_[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps, lines);
   }
 }
 

@@ -2,34 +2,207 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forest/forest_evaluator.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace cbmv {
+namespace HWY_NAMESPACE {
 namespace {
 
-/// Hypotheses that are evaluated together. Their codes are copied into an array of this size, so
-/// that all loops have a constant length and vectorise.
-constexpr int kBlock = 64;
-using Block = std::array<std::uint8_t, kBlock>;
-using CodeBlock = std::array<Block, kFeatureCount>;
+namespace hn = hwy::HWY_NAMESPACE;
+using Bytes = hn::CappedTag<std::uint8_t, 64>;
+using ByteVector = hn::Vec<Bytes>;
 
-/// Sets `bit` of each number where the code reaches the threshold. Kept out of line: gcc 12 merges
-/// the loops of two levels otherwise, and then vectorises neither.
-[[gnu::noinline]] void answerQuestion(const Block& code, std::uint8_t threshold, std::uint8_t bit,
-                                      Block& numbers) {
-  for (int i = 0; i < kBlock; ++i) {
-    numbers[i] = static_cast<std::uint8_t>(numbers[i] | (code[i] >= threshold ? bit : 0));
+/// Hypotheses whose codes are kept together in the first-level cache; a multiple of four vectors.
+constexpr int kBlock = 256;
+struct Block {
+  alignas(
+      64) std::int8_t codes[kFeatureCount][kBlock];  ///< minus 128: signed bytes compare fastest
+  alignas(64) std::uint16_t sums[kBlock];
+};
+
+/// Answers of one level, for the hypotheses at `codes` (of feature 0) and behind.
+HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::int8_t* codes) {
+  const hn::RebindToSigned<Bytes> signed_bytes;
+  const auto code = hn::Load(signed_bytes, codes + tree.features[level] * kBlock);
+  return hn::RebindMask(Bytes(), hn::Lt(code, hn::Set(signed_bytes, tree.thresholds[level])));
+}
+
+/// Bits 0 … kLevels − 1 of the leaf's number.
+template <int kLevels>
+HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::int8_t* codes) {
+  const auto bit = hn::Set(Bytes(), 1U << (kLevels - 1));
+  const auto is_below = isBelow(tree, kLevels - 1, codes);
+  if constexpr (kLevels == 1) {
+    return hn::IfThenElseZero(is_below, bit);
+  } else {
+    const ByteVector lower_bits = leafNumber<kLevels - 1>(tree, codes);
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    return hn::IfThenElse(is_below, hn::Add(lower_bits, bit), lower_bits);  // one instruction
+#else
+    return hn::Or(lower_bits, hn::IfThenElseZero(is_below, bit));
+#endif
   }
 }
 
-/// Number of the leaf that each hypothesis falls into.
-Block leafNumbers(const ObliviousTree& tree, const CodeBlock& codes) {
-  Block numbers{};
-  std::uint8_t bit = 1;
-  for (const ObliviousTree::Level& level : tree.levels) {
-    answerQuestion(codes[level.feature], level.threshold, bit, numbers);
-    bit = static_cast<std::uint8_t>(2 * bit);
+#if HWY_TARGET == HWY_AVX3_DL
+
+HWY_INLINE ByteVector lookUp128(const std::uint8_t* leaves, ByteVector number) {
+  return ByteVector{_mm512_permutex2var_epi8(hn::LoadU(Bytes(), leaves).raw, number.raw,
+                                             hn::LoadU(Bytes(), leaves + 64).raw)};
+}
+
+/// Leaf that each hypothesis falls into.
+template <int kDepth>
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+  const std::uint8_t* leaves = tree.leaves.data();
+  if constexpr (kDepth <= 6) {
+    const ByteVector number = leafNumber<kDepth>(tree, codes);
+    return ByteVector{_mm512_permutexvar_epi8(number.raw, hn::LoadU(Bytes(), leaves).raw)};
+  } else {
+    const ByteVector number = leafNumber<7>(tree, codes);
+    if constexpr (kDepth == 7) {
+      return lookUp128(leaves, number);
+    } else {
+      return hn::IfThenElse(isBelow(tree, 7, codes), lookUp128(leaves + 128, number),
+                            lookUp128(leaves, number));
+    }
   }
-  return numbers;
+}
+
+#else
+
+/// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
+template <int kLevels>
+HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
+                                 ByteVector low_bits, const std::uint8_t* leaves) {
+  if constexpr (kLevels == 4) {
+    return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);
+  } else {
+    constexpr int kHalf = 1 << (kLevels - 1);
+    return hn::IfThenElse(isBelow(tree, kLevels - 1, codes),
+                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves + kHalf),
+                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves));
+  }
+}
+
+/// Leaf that each hypothesis falls into.
+template <int kDepth>
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+  return selectLeaf<kDepth>(tree, codes, leafNumber<4>(tree, codes), tree.leaves.data());
+}
+
+#endif
+
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+  switch (tree.depth) {
+    case 4:
+      return findLeaf<4>(tree, codes);
+    case 5:
+      return findLeaf<5>(tree, codes);
+    case 6:
+      return findLeaf<6>(tree, codes);
+    case 7:
+      return findLeaf<7>(tree, codes);
+    default:
+      return findLeaf<8>(tree, codes);
+  }
+}
+
+/// Sums of a vector of hypotheses modulo 2¹⁶. Bytes are added in pairs: `pairs` holds the sums of
+/// the even bytes plus 2⁸ times those of the odd ones, `odd` those of the odd ones.
+using Sums = hn::Repartition<std::uint16_t, Bytes>;
+using SumVector = hn::Vec<Sums>;
+HWY_INLINE void addLeaf(ByteVector leaf, SumVector& pairs, SumVector& odd) {
+  const SumVector pair = hn::BitCast(Sums(), leaf);
+  pairs = hn::Add(pairs, pair);
+  odd = hn::Add(odd, hn::ShiftRight<8>(pair));
+}
+
+HWY_INLINE void storeSums(SumVector pairs, SumVector odd, std::uint16_t* sums) {
+  hn::StoreInterleaved2(hn::Sub(pairs, hn::ShiftLeft<8>(odd)), odd, Sums(), sums);
+}
+
+/// Sums of the leaves of all hypotheses of the block, two vectors at a time.
+void sumLeaves(const PackedTree* trees, std::size_t tree_count, int hypotheses, Block& block) {
+  const int lanes = static_cast<int>(hn::Lanes(Bytes()));
+  for (int first = 0; first < hypotheses; first += 2 * lanes) {
+    const std::int8_t* codes = block.codes[0] + first;
+    SumVector pairs0 = hn::Zero(Sums());
+    SumVector pairs1 = pairs0;
+    SumVector odd0 = pairs0;
+    SumVector odd1 = pairs0;
+    for (std::size_t t = 0; t < tree_count; ++t) {
+      addLeaf(findLeaf(trees[t], codes), pairs0, odd0);
+      addLeaf(findLeaf(trees[t], codes + lanes), pairs1, odd1);
+    }
+    storeSums(pairs0, odd0, block.sums + first);
+    storeSums(pairs1, odd1, block.sums + first + lanes);
+  }
+}
+
+void loadCodes(const std::array<const std::uint8_t*, kFeatureCount>& codes, int first, int count,
+               Block& block) {
+  for (int f = 0; f < kFeatureCount; ++f) {
+    for (int i = 0; i < count; ++i) {
+      block.codes[f][i] = static_cast<std::int8_t>(codes[f][first + i] - 128);
+    }
+  }
+}
+
+/// As many trees as have a sum of leaves that surely fits 16 bits.
+constexpr std::size_t kTreesPerSum = 0xffff / 0xff;
+
+void evaluateForest(const std::vector<PackedTree>& trees, const std::uint8_t* cost_of_sum,
+                    const std::array<const std::uint8_t*, kFeatureCount>& codes, int count,
+                    std::uint8_t* costs) {
+  Block block{};
+  std::array<std::uint32_t, kBlock> sums;
+  for (int first = 0; first < count; first += kBlock) {
+    const int hypotheses = std::min(kBlock, count - first);
+    loadCodes(codes, first, hypotheses, block);
+    sums.fill(0);
+    for (std::size_t t = 0; t < trees.size(); t += kTreesPerSum) {
+      sumLeaves(&trees[t], std::min(kTreesPerSum, trees.size() - t), hypotheses, block);
+      for (int i = 0; i < hypotheses; ++i) {
+        sums[i] += block.sums[i];
+      }
+    }
+    for (int i = 0; i < hypotheses; ++i) {
+      costs[first + i] = cost_of_sum[sums[i]];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cbmv {
+namespace {
+
+HWY_EXPORT(evaluateForest);
+
+PackedTree packTree(const ObliviousTree& tree) {
+  const int depth = static_cast<int>(tree.levels.size());
+  PackedTree packed;
+  packed.depth = std::max(depth, PackedTree::kLeastDepth);
+  packed.thresholds.fill(-128);
+  for (int level = 0; level < depth; ++level) {
+    packed.features[level] = tree.levels[level].feature;
+    packed.thresholds[level] = static_cast<std::int8_t>(tree.levels[level].threshold - 128);
+  }
+  const std::int8_t lowest = *std::min_element(tree.leaves.begin(), tree.leaves.end());
+  std::transform(tree.leaves.rbegin(), tree.leaves.rend(), packed.leaves.begin(),
+                 [lowest](std::int8_t leaf) { return static_cast<std::uint8_t>(leaf - lowest); });
+  return packed;
 }
 
 std::uint8_t costOfLogOdds(double log_odds) {
@@ -38,38 +211,24 @@ std::uint8_t costOfLogOdds(double log_odds) {
 
 }  // namespace
 
-ForestEvaluator::ForestEvaluator(const Forest& forest) : trees_(forest.trees) {
+ForestEvaluator::ForestEvaluator(const Forest& forest) {
+  std::int32_t lowest_sum = 0;
   std::int32_t highest_sum = 0;
-  for (const ObliviousTree& tree : trees_) {
+  for (const ObliviousTree& tree : forest.trees) {
+    trees_.push_back(packTree(tree));
     const auto [lowest, highest] = std::minmax_element(tree.leaves.begin(), tree.leaves.end());
-    lowest_sum_ += *lowest;
+    lowest_sum += *lowest;
     highest_sum += *highest;
   }
-  for (std::int32_t sum = lowest_sum_; sum <= highest_sum; ++sum) {
+  for (std::int32_t sum = lowest_sum; sum <= highest_sum; ++sum) {
     cost_of_sum_.push_back(costOfLogOdds(forest.bias + forest.leaf_unit * sum));
   }
 }
 
 void ForestEvaluator::evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes,
                                int count, std::uint8_t* costs) const {
-  CodeBlock code_block{};
-  std::array<std::int32_t, kBlock> sums;
-  for (int first = 0; first < count; first += kBlock) {
-    const int block = std::min(kBlock, count - first);
-    for (int f = 0; f < kFeatureCount; ++f) {
-      std::copy_n(codes[f] + first, block, code_block[f].begin());
-    }
-    sums.fill(-lowest_sum_);
-    for (const ObliviousTree& tree : trees_) {
-      const Block numbers = leafNumbers(tree, code_block);
-      for (int i = 0; i < kBlock; ++i) {
-        sums[i] += tree.leaves[numbers[i]];
-      }
-    }
-    for (int i = 0; i < block; ++i) {
-      costs[first + i] = cost_of_sum_[sums[i]];
-    }
-  }
+  HWY_DYNAMIC_DISPATCH(evaluateForest)(trees_, cost_of_sum_.data(), codes, count, costs);
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -16,7 +16,6 @@ namespace {
 /// Buffers of one thread for one image row.
 struct RowWorkspace {
   RowFeatures features;
-  std::vector<std::uint8_t> codes;  ///< [feature][x] at one disparity
   std::vector<std::uint8_t> costs;  ///< [d][x]
 };
 
@@ -29,13 +28,10 @@ void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width
   if (span.empty()) {
     return;
   }
-  workspace.features.compute(i);
+  workspace.features.computeCodes(i, forest.quantizer);
   std::array<const std::uint8_t*, kFeatureCount> codes{};
   for (int f = 0; f < kFeatureCount; ++f) {
-    std::uint8_t* feature_codes = workspace.codes.data() + static_cast<std::size_t>(f) * width;
-    quantize(forest.quantizer.maps[f], workspace.features.line(f) + span.begin,
-             span.end - span.begin, feature_codes);
-    codes[f] = feature_codes;
+    codes[f] = workspace.features.codes(f) + span.begin;
   }
   evaluator.evaluate(codes, span.end - span.begin, line + span.begin);
 }
@@ -73,7 +69,6 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
   impl_->matchers.prepare(left, right);
   tbb::parallel_for(0, left.rows, [&](int y) {
     RowWorkspace& workspace = impl_->workspaces.local();
-    workspace.codes.resize(static_cast<std::size_t>(width) * kFeatureCount);
     workspace.costs.resize(static_cast<std::size_t>(width) * range.count);
     workspace.features.prepareRow(impl_->matchers, y, width, range);
     for (int i = 0; i < range.count; ++i) {

@@ -1,10 +1,12 @@
 #include "cbmv_stereo/confidence/features.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 namespace cbmv::test {
 namespace {
@@ -55,37 +57,87 @@ Confidences naiveConfidences(const CostRow& costs, const Shape& shape, int x, in
           -(cost - lowest) * (cost - lowest) / constants.two_sigma_squared - std::log(sum)};
 }
 
+using Lines = std::vector<std::vector<float>>;
+
+/// Feature values [i · 5 + feature][x]; 0 where the match lies outside.
+Lines computeAllFeatures(const CostRow& costs, const Shape& shape,
+                         const MatcherConstants& constants) {
+  RowTerms terms;
+  computeRowTerms(costs, shape.width, shape.range, constants, terms);
+  Lines values(shape.range.count * kFeaturesPerMatcher, std::vector<float>(shape.width));
+  for (int i = 0; i < shape.range.count; ++i) {
+    std::vector<float>* first = &values[i * kFeaturesPerMatcher];
+    computeFeatures(
+        costs, terms, shape.width, shape.range, i, constants,
+        {first[0].data(), first[1].data(), first[2].data(), first[3].data(), first[4].data()});
+  }
+  return values;
+}
+
 class FeaturesTest : public testing::TestWithParam<std::tuple<Shape, int>> {};
 
 TEST_P(FeaturesTest, EqualDefinitions) {
   const auto [shape, matcher] = GetParam();
   const MatcherConstants constants = kMatcherConstants[matcher];
   const CostRow costs = randomCosts(shape, matcher);
-  RowTerms terms;
-  computeRowTerms(costs, shape.width, shape.range, constants, terms);
-  std::vector<std::vector<float>> values(kFeaturesPerMatcher, std::vector<float>(shape.width));
-  const FeatureLines lines = {values[0].data(), values[1].data(), values[2].data(),
-                              values[3].data(), values[4].data()};
+  const Lines values = computeAllFeatures(costs, shape, constants);
   // Single-precision logarithms of values up to 2⁷; squared differences up to 120² / 128.
   const double tolerance = 2e-4;
   for (int i = 0; i < shape.range.count; ++i) {
-    computeFeatures(costs, terms, shape.width, shape.range, i, constants, lines);
+    const std::vector<float>* lines = &values[i * kFeaturesPerMatcher];
     const ColumnSpan span = matchedColumns(shape.width, shape.range.min + i);
     for (int x = span.begin; x < span.end; ++x) {
       const double cost = costs.line(i)[x];
       const Confidences left = naiveConfidences(costs, shape, x, i, View::kLeft, constants);
       const Confidences right = naiveConfidences(costs, shape, x, i, View::kRight, constants);
-      ASSERT_NEAR(values[kCost][x],
+      ASSERT_NEAR(lines[kCost][x],
                   constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost,
                   tolerance);
-      ASSERT_NEAR(values[kRatioLow][x], std::min(left.log_ratio, right.log_ratio), tolerance);
-      ASSERT_NEAR(values[kRatioHigh][x], std::max(left.log_ratio, right.log_ratio), tolerance);
-      ASSERT_NEAR(values[kLikelihoodLow][x], std::min(left.log_likelihood, right.log_likelihood),
+      ASSERT_NEAR(lines[kRatioLow][x], std::min(left.log_ratio, right.log_ratio), tolerance);
+      ASSERT_NEAR(lines[kRatioHigh][x], std::max(left.log_ratio, right.log_ratio), tolerance);
+      ASSERT_NEAR(lines[kLikelihoodLow][x], std::min(left.log_likelihood, right.log_likelihood),
                   tolerance);
-      ASSERT_NEAR(values[kLikelihoodHigh][x], std::max(left.log_likelihood, right.log_likelihood),
+      ASSERT_NEAR(lines[kLikelihoodHigh][x], std::max(left.log_likelihood, right.log_likelihood),
                   tolerance);
     }
   }
+}
+
+TEST_P(FeaturesTest, AreTheSameOnEveryInstructionSet) {
+  const auto [shape, matcher] = GetParam();
+  const MatcherConstants constants = kMatcherConstants[matcher];
+  const CostRow costs = randomCosts(shape, matcher);
+  const Lines expected = computeAllFeatures(costs, shape, constants);
+  onEverySimdTarget(
+      [&, shape = shape] { EXPECT_EQ(computeAllFeatures(costs, shape, constants), expected); });
+}
+
+TEST_P(FeaturesTest, CodesAreQuantizedFeatures) {
+  const auto [shape, matcher] = GetParam();
+  const MatcherConstants constants = kMatcherConstants[matcher];
+  const CostRow costs = randomCosts(shape, matcher);
+  const Lines values = computeAllFeatures(costs, shape, constants);
+  const MatcherCodeMaps maps = {{{2, 3}, {20, 150}, {30, 250}, {9, 170}, {11, 260}}};
+  onEverySimdTarget([&, shape = shape] {
+    RowTerms terms;
+    computeRowTerms(costs, shape.width, shape.range, constants, terms);
+    for (int i = 0; i < shape.range.count; ++i) {
+      std::vector<std::vector<std::uint8_t>> codes(kFeaturesPerMatcher,
+                                                   std::vector<std::uint8_t>(shape.width, 77));
+      computeCodes(
+          costs, terms, shape.width, shape.range, i, constants, maps,
+          {codes[0].data(), codes[1].data(), codes[2].data(), codes[3].data(), codes[4].data()});
+      const ColumnSpan span = matchedColumns(shape.width, shape.range.min + i);
+      for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+        const std::vector<float>& line = values[i * kFeaturesPerMatcher + f];
+        for (int x = 0; x < shape.width; ++x) {
+          const float code = std::floor(maps[f].scale * line[x] + maps[f].offset);
+          const bool inside = x >= span.begin && x < span.end;
+          ASSERT_EQ(codes[f][x], inside ? std::clamp(code, 0.0F, 255.0F) : 77);
+        }
+      }
+    }
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, FeaturesTest,
@@ -106,11 +158,20 @@ TEST(Features, MatchedColumnsAreThoseInside) {
 TEST(Quantize, IsFloorOfLinearMapCutToBytes) {
   const std::vector<float> values = {-1e30F, -5.0F, 0.0F, 0.49F, 0.51F, 60.0F, 126.4F, 1e30F};
   const std::vector<int> expected = {0, 0, 3, 3, 4, 123, 255, 255};
-  std::vector<std::uint8_t> codes(values.size());
-  quantize({2.0F, 3.0F}, values.data(), static_cast<int>(values.size()), codes.data());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    EXPECT_EQ(codes[i], expected[i]) << values[i];
-  }
+  onEverySimdTarget([&] {
+    for (const int count : {1, 3, 8, 16, 17, 100}) {
+      std::vector<float> repeated;
+      for (int i = 0; i < count; ++i) {
+        repeated.push_back(values[i % values.size()]);
+      }
+      std::vector<std::uint8_t> codes(count + 1, 42);
+      quantize({2.0F, 3.0F}, repeated.data(), count, codes.data());
+      for (int i = 0; i < count; ++i) {
+        EXPECT_EQ(codes[i], expected[i % values.size()]) << repeated[i];
+      }
+      EXPECT_EQ(codes[count], 42) << "wrote behind the end";
+    }
+  });
 }
 
 }  // namespace

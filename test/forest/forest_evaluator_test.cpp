@@ -1,40 +1,109 @@
 #include "cbmv_stereo/forest/forest_evaluator.h"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "support/random_forest.h"
+#include "support/simd_targets.h"
 
 namespace cbmv::test {
 namespace {
 
+using CodeColumns = std::vector<std::vector<std::uint8_t>>;
+
+CodeColumns randomCodes(int count) {
+  std::mt19937 random(9);
+  CodeColumns columns(kFeatureCount, std::vector<std::uint8_t>(count));
+  for (std::vector<std::uint8_t>& column : columns) {
+    for (std::uint8_t& code : column) {
+      code = static_cast<std::uint8_t>(random() % 256);
+    }
+  }
+  return columns;
+}
+
+void expectTreeWalk(const Forest& forest, const CodeColumns& columns) {
+  std::array<const std::uint8_t*, kFeatureCount> codes{};
+  for (int f = 0; f < kFeatureCount; ++f) {
+    codes[f] = columns[f].data();
+  }
+  const int count = static_cast<int>(columns[0].size());
+  std::vector<std::uint8_t> expected;
+  for (int i = 0; i < count; ++i) {
+    expected.push_back(naiveForestCost(forest, [&](int f) { return columns[f][i]; }));
+  }
+  onEverySimdTarget([&] {
+    std::vector<std::uint8_t> costs(count + 1, 42);
+    ForestEvaluator(forest).evaluate(codes, count, costs.data());
+    EXPECT_EQ(costs.back(), 42) << "wrote behind the end";
+    costs.pop_back();
+    EXPECT_EQ(costs, expected);
+  });
+}
+
 class ForestEvaluatorTest : public testing::TestWithParam<int> {};
 
 TEST_P(ForestEvaluatorTest, EqualsTreeWalk) {
-  const int count = GetParam();
-  std::mt19937 random(9);
-  std::vector<std::vector<std::uint8_t>> columns(kFeatureCount, std::vector<std::uint8_t>(count));
-  std::array<const std::uint8_t*, kFeatureCount> codes{};
-  for (int f = 0; f < kFeatureCount; ++f) {
-    for (std::uint8_t& code : columns[f]) {
-      code = static_cast<std::uint8_t>(random() % 256);
-    }
-    codes[f] = columns[f].data();
-  }
+  const CodeColumns codes = randomCodes(GetParam());
   for (const int trees : {1, 17, 90}) {
-    const Forest forest = makeForest(trees, Forest::kMaxDepth, 11);
-    std::vector<std::uint8_t> costs(count + 1, 42);
-    ForestEvaluator(forest).evaluate(codes, count, costs.data());
-    for (int i = 0; i < count; ++i) {
-      ASSERT_EQ(costs[i], naiveForestCost(forest, [&](int f) { return columns[f][i]; }));
-    }
-    EXPECT_EQ(costs[count], 42) << "wrote behind the end";
+    expectTreeWalk(makeForest(trees, Forest::kMaxDepth, 11), codes);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Counts, ForestEvaluatorTest,
                          testing::Values(0, 1, 15, 64, 511, 512, 513, 1500));
+
+TEST(ForestEvaluator, EachDepthAlone) {
+  for (int depth = 1; depth <= Forest::kMaxDepth; ++depth) {
+    Forest forest = makeForest(Forest::kMaxDepth * 12, Forest::kMaxDepth, 23);
+    forest.trees.erase(std::remove_if(forest.trees.begin(), forest.trees.end(),
+                                      [depth](const ObliviousTree& tree) {
+                                        return static_cast<int>(tree.levels.size()) != depth;
+                                      }),
+                       forest.trees.end());
+    ASSERT_EQ(forest.trees.size(), 12U);
+    expectTreeWalk(forest, randomCodes(300));
+  }
+}
+
+TEST(ForestEvaluator, ThresholdsAtTheEndsOfTheRange) {
+  Forest forest = makeForest(40, 5, 31);
+  int level_number = 0;
+  for (ObliviousTree& tree : forest.trees) {
+    for (ObliviousTree::Level& level : tree.levels) {
+      level.threshold = std::array<std::uint8_t, 5>{0, 1, 127, 128, 255}[level_number++ % 5];
+    }
+  }
+  CodeColumns codes = randomCodes(300);
+  for (std::vector<std::uint8_t>& column : codes) {
+    for (std::uint8_t& code : column) {
+      code = std::array<std::uint8_t, 6>{0, 1, 127, 128, 254, 255}[code % 6];
+    }
+  }
+  expectTreeWalk(forest, codes);
+}
+
+/// Its sum of leaves needs more than 16 bits.
+TEST(ForestEvaluator, LargestForest) {
+  Forest forest = makeForest(Forest::kMaxTrees, 3, 17);
+  forest.leaf_unit = 1.0 / 8192;
+  for (ObliviousTree& tree : forest.trees) {
+    for (std::int8_t& leaf : tree.leaves) {
+      leaf = static_cast<std::int8_t>(leaf < 0 ? -128 : 127);
+    }
+  }
+  for (const int bias : {-3, 3}) {
+    for (std::size_t t = 0; t < forest.trees.size(); t += 2) {
+      std::fill(forest.trees[t].leaves.begin(), forest.trees[t].leaves.end(),
+                static_cast<std::int8_t>(bias < 0 ? -128 : 127));
+      forest.trees[t].leaves[1] = static_cast<std::int8_t>(bias < 0 ? 127 : -128);
+    }
+    expectTreeWalk(forest, randomCodes(100));
+  }
+}
 
 }  // namespace
 }  // namespace cbmv::test

@@ -72,6 +72,7 @@ struct CodeMap {
   float scale = 1;
   float offset = 0;
 };
+using MatcherCodeMaps = std::array<CodeMap, kFeaturesPerMatcher>;
 
 /// The maps of all features. Low and high of a confidence share one map.
 struct FeatureQuantizer {
@@ -80,5 +81,11 @@ struct FeatureQuantizer {
 
 /// Codes of `count` values.
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes);
+
+/// The codes of what computeFeatures computes, without the way through memory.
+using CodeLines = std::array<std::uint8_t*, kFeaturesPerMatcher>;
+void computeCodes(const CostRow& costs, const RowTerms& terms, int width,
+                  const DisparityRange& range, int i, const MatcherConstants& constants,
+                  const MatcherCodeMaps& maps, const CodeLines& codes);
 
 }  // namespace cbmv

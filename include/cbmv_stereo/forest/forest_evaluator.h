@@ -8,8 +8,21 @@
 
 namespace cbmv {
 
-/// Applies a forest to rows of feature codes. Built once from a Forest, then read by any number of
-/// threads.
+/// An oblivious tree as the vector code wants it: of a size that every tree has, with leaves that
+/// are never negative, and with levels that compare signed bytes, the other way round.
+struct PackedTree {
+  int depth = 0;  ///< at least kLeastDepth
+  std::array<std::uint8_t, Forest::kMaxDepth> features{};
+  std::array<std::int8_t, Forest::kMaxDepth> thresholds{};  ///< minus 128
+  /// Indexed by the answers to "code < threshold", level k in bit k; minus the lowest leaf.
+  std::array<std::uint8_t, 1 << Forest::kMaxDepth> leaves{};
+
+  /// A table look-up by bytes reads 2⁴ leaves at once; levels that always answer "no" fill up.
+  static constexpr int kLeastDepth = 4;
+};
+
+/// Applies a forest to rows of feature codes, with the widest vectors that the machine has. Built
+/// once from a Forest, then read by any number of threads.
 class ForestEvaluator {
  public:
   explicit ForestEvaluator(const Forest& forest);
@@ -20,9 +33,8 @@ class ForestEvaluator {
                 std::uint8_t* costs) const;
 
  private:
-  std::vector<ObliviousTree> trees_;
-  std::int32_t lowest_sum_ = 0;            ///< of all leaves
-  std::vector<std::uint8_t> cost_of_sum_;  ///< indexed by sum − lowest_sum_
+  std::vector<PackedTree> trees_;
+  std::vector<std::uint8_t> cost_of_sum_;  ///< indexed by the sum of the packed leaves
 };
 
 }  // namespace cbmv
