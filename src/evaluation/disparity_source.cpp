@@ -59,11 +59,11 @@ std::size_t foldOf(const std::string& scene) {
 /// Trains the forest of a fold when the first of its scenes comes.
 class FoldMatcher {
  public:
-  FoldMatcher(std::vector<SceneReference> scenes, TrainingOptions training, StereoOptions options,
-              std::function<void(const std::string&)> report)
+  FoldMatcher(std::vector<SceneReference> scenes, const TrainingOptions& training,
+              const StereoOptions& options, std::function<void(const std::string&)> report)
       : scenes_(std::move(scenes)),
-        training_(std::move(training)),
-        options_(std::move(options)),
+        training_(training),
+        options_(options),
         report_(std::move(report)) {}
 
   SceneMaps match(const StereoScene& scene) {

@@ -33,10 +33,16 @@ void writeFile(const std::string& path, const std::string& content) {
 }
 
 void replaceFile(const std::string& path, const std::string& content) {
-  const std::string part = path + ".part";
-  writeFile(part, content);
   std::error_code error;
-  std::filesystem::rename(part, path, error);
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, error);
+  if (error || (std::filesystem::exists(target, error) &&
+                !std::filesystem::is_regular_file(target, error))) {
+    writeFile(path, content);  // a device or pipe is written to, never replaced
+    return;
+  }
+  const std::string part = target.string() + ".part";
+  writeFile(part, content);
+  std::filesystem::rename(part, target, error);
   if (error) {
     throw Error("Cannot write " + path + ": replacing it failed, " + error.message() + ".");
   }

@@ -13,7 +13,8 @@ std::ifstream openForReading(const std::string& path);
 /// Replaces the file's content. Throws Error naming the file when it cannot be written.
 void writeFile(const std::string& path, const std::string& content);
 
-/// The same through a new file beside it, so that an interruption leaves the old file whole.
+/// The same through a new file beside it, so that an interruption leaves the old file whole. Links
+/// are followed; what is no regular file is written to as it is.
 void replaceFile(const std::string& path, const std::string& content);
 
 inline void appendLittleEndian(float value, std::string& bytes) {

@@ -13,6 +13,7 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/evaluation.h"
+#include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
@@ -125,6 +126,7 @@ void evaluate(Arguments arguments) {
   events.maps = [&](const cbmv::StereoScene& scene, const cbmv::SceneMaps& maps) {
     if (!arguments.maps.empty()) {
       cbmv::writeMaps(arguments.maps, scene, maps);
+      cbmv::writePictures(arguments.maps, scene, maps);
     }
   };
   events.scored = [&](const cbmv::EvaluationReport& report) { writeReports(arguments, report); };
@@ -173,7 +175,8 @@ int main(int argc, char** argv) {
   app.add_option("--csv", arguments.csv, "The same as CSV");
   app.add_option("--markdown", arguments.markdown, "The same as tables in Markdown");
   app.add_option("--maps", arguments.maps,
-                 "Folder to write the maps to, in the form that --disparities reads");
+                 "Folder to write the maps to, in the form that --disparities reads, and pictures "
+                 "of them, which scripts/evaluation_report shows");
   cbmv::addTrainingOptions(app, arguments.training);
   try {
     app.parse(argc, argv);

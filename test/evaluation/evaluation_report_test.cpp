@@ -7,7 +7,10 @@
 #include <sstream>
 #include <string>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
@@ -122,6 +125,22 @@ TEST(EvaluationReport, WithoutScenesHasNoMean) {
                        {"\"scenes\": []", "\"mean\": null", "\"weighted_mean\": null"}));
   EXPECT_TRUE(readJsonReport(folder.file("r.json")).scenes.empty());
   EXPECT_TRUE(mentions(formatReport({}), {"non-occluded", "bad_0.5"}));
+}
+
+TEST(EvaluationReport, IsWrittenThroughLinksAndIntoPipes) {
+  const TemporaryFolder folder;
+  const std::string target = folder.write("r.json", "old");
+  std::filesystem::create_symlink(target, folder.file("link.json"));
+  writeJsonReport(makeReport(), folder.file("link.json"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link.json")));
+  EXPECT_EQ(readJsonReport(target).scenes.size(), 2U);
+
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDWR);  // so that writing does not wait for one
+  writeCsvReport({}, pipe);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  close(reader);
 }
 
 TEST(EvaluationReport, NamesTheFileThatIsWrong) {

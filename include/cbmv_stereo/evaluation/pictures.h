@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/evaluation/scene_score.h"
+#include "cbmv_stereo/io/stereo_scene.h"
+
+namespace cbmv {
+
+/// |d − truth| as a BGR picture in OpenCV's colour map TURBO: 0 blue, 4 px and more, or no
+/// disparity, red; black where the truth is unknown; half as bright where the right camera does not
+/// see the point. Both maps have the size of the scene.
+cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity);
+
+/// Writes SCENE_left.jpg, SCENE_truth.jpg, SCENE_disparity.jpg, SCENE_error.jpg and, where it is
+/// known, SCENE_confidence.jpg. Disparities are coloured over the scene's range. Throws Error
+/// naming the file that cannot be written.
+void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
+
+}  // namespace cbmv

@@ -1,0 +1,50 @@
+#include "cbmv_stereo/evaluation/pictures.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/preview.h"
+
+namespace cbmv {
+namespace {
+
+constexpr float kHighestErrorPx = 4.0F;
+constexpr float kUnknown = -1.0F;
+
+}  // namespace
+
+cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity) {
+  cv::Mat errors(scene.truth.size(), CV_32FC1, cv::Scalar(kUnknown));
+  for (int y = 0; y < errors.rows; ++y) {
+    for (int x = 0; x < errors.cols; ++x) {
+      const float error = std::abs(disparity.at<float>(y, x) - scene.truth.at<float>(y, x));
+      if (std::isfinite(scene.truth.at<float>(y, x))) {
+        errors.at<float>(y, x) = std::isfinite(error) ? error : kHighestErrorPx;
+      }
+    }
+  }
+  cv::Mat picture = colorizeDisparity(errors, 0.0F, kHighestErrorPx, kUnknown);
+  const cv::Mat darker = 0.5 * picture;
+  darker.copyTo(picture, scene.visible == 0);
+  return picture;
+}
+
+void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps) {
+  std::filesystem::create_directories(folder);
+  const std::string base = (std::filesystem::path(folder) / scene.name).string();
+  const auto colorize = [&](const cv::Mat& disparity) {
+    return colorizeDisparity(disparity, 0.0F, static_cast<float>(scene.calibration.disparities - 1),
+                             std::numeric_limits<float>::infinity());
+  };
+  writeImage(base + "_left.jpg", scene.left_color);
+  writeImage(base + "_truth.jpg", colorize(scene.truth));
+  writeImage(base + "_disparity.jpg", colorize(maps.disparity));
+  writeImage(base + "_error.jpg", errorPicture(scene, maps.disparity));
+  if (!maps.confidence.empty()) {
+    writeImage(base + "_confidence.jpg", colorizeConfidence(maps.confidence));
+  }
+}
+
+}  // namespace cbmv
