@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +11,8 @@
 namespace cbmv {
 
 /// Sum of absolute differences of horizontal Sobel responses in a 5 × 5 window (Batsos et al. 2018,
-/// section 3.1). The response is the 3 × 3 kernel (−1 0 1; −2 0 2; −1 0 1), not scaled; costs are in
-/// [0, 51 000].
+/// section 3.1). The response is the 3 × 3 kernel (−1 0 1; −2 0 2; −1 0 1), not scaled; costs are
+/// in [0, 51 000].
 class SobelSadMatcher {
  public:
   static constexpr int kWindowPx = 5;
@@ -25,10 +26,14 @@ class SobelSadMatcher {
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow& costs) const;
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                  CostRow<std::uint16_t>& costs) const;
+
+  /// The responses in the windows of one row; pointers to column 0.
+  using Rows = std::array<const std::int16_t*, kWindowPx>;
 
  private:
-  cv::Mat left_responses_;   ///< CV_16SC1, padded
+  cv::Mat left_responses_;  ///< CV_16SC1, padded
   cv::Mat right_responses_;
 };
 
