@@ -1,6 +1,8 @@
 #include "cbmv_stereo/confidence/features.h"
 
 #include <limits>
+#include <type_traits>
+#include <variant>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "confidence/features.cpp"
@@ -18,17 +20,30 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 
+/// Vector of costs in the unit of the matcher's constants.
+template <class D, typename Cost>
+HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, float unit) {
+  if constexpr (std::is_same_v<Cost, float>) {
+    return hn::Mul(hn::LoadU(tag, costs), hn::Set(tag, unit));
+  } else {
+    const auto narrow = hn::LoadU(hn::Rebind<Cost, D>(), costs);
+    const auto wide = hn::PromoteTo(hn::RebindToSigned<D>(), narrow);
+    return hn::Mul(hn::ConvertTo(tag, wide), hn::Set(tag, unit));
+  }
+}
+
 /// c_min of both views.
-void findLowestCosts(const CostRow& costs, int width, const DisparityRange& range,
+template <typename Cost>
+void findLowestCosts(const CostRow<Cost>& costs, int width, const DisparityRange& range, float unit,
                      RowTerms& terms) {
   float* left = terms.left.lowest_cost.data();
   float* right = terms.right.lowest_cost.data();
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
     const ColumnSpan span = matchedColumns(width, d);
-    const float* line = costs.line(i);
+    const Cost* line = costs.line(i);
     forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-      const auto cost = hn::LoadU(tag, line + x);
+      const auto cost = loadCosts(tag, line + x, unit);
       hn::StoreU(hn::Min(hn::LoadU(tag, left + x), cost), tag, left + x);
       hn::StoreU(hn::Min(hn::LoadU(tag, right + x - d), cost), tag, right + x - d);
     });
@@ -51,8 +66,11 @@ HWY_INLINE void addExp(D tag, V value, int done, float* sums) {
 }
 
 /// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
-void sumLikelihoods(const CostRow& costs, int width, const DisparityRange& range,
-                    float two_sigma_squared, RowTerms& terms) {
+template <typename Cost>
+void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange& range,
+                    const MatcherConstants& constants, RowTerms& terms) {
+  const float unit = constants.cost_unit;
+  const float two_sigma_squared = constants.two_sigma_squared;
   const float* left_lowest = terms.left.lowest_cost.data();
   const float* right_lowest = terms.right.lowest_cost.data();
   float* left = terms.left.log_sum.data();
@@ -60,9 +78,9 @@ void sumLikelihoods(const CostRow& costs, int width, const DisparityRange& range
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
     const ColumnSpan span = matchedColumns(width, d);
-    const float* line = costs.line(i);
+    const Cost* line = costs.line(i);
     forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
-      const auto cost = hn::LoadU(tag, line + x);
+      const auto cost = loadCosts(tag, line + x, unit);
       addExp(tag, logLikelihood(tag, cost, left_lowest + x, two_sigma_squared), done, left + x);
       addExp(tag, logLikelihood(tag, cost, right_lowest + x - d, two_sigma_squared), done,
              right + x - d);
@@ -84,10 +102,14 @@ void takeLogarithms(float epsilon, PixelTerms& terms) {
   });
 }
 
-void fillTerms(const CostRow& costs, int width, const DisparityRange& range,
+void fillTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
                const MatcherConstants& constants, RowTerms& terms) {
-  findLowestCosts(costs, width, range, terms);
-  sumLikelihoods(costs, width, range, constants.two_sigma_squared, terms);
+  std::visit(
+      [&](const auto* row) HWY_ATTR {
+        findLowestCosts(*row, width, range, constants.cost_unit, terms);
+        sumLikelihoods(*row, width, range, constants, terms);
+      },
+      costs);
   takeLogarithms(constants.epsilon, terms.left);
   takeLogarithms(constants.epsilon, terms.right);
 }
@@ -105,18 +127,18 @@ struct TermLines {
 };
 
 /// Passes vectors of features to `sink(tag, feature, x, values)`.
-template <class Sink>
-HWY_INLINE void forFeatures(const CostRow& costs, const RowTerms& terms, int width,
-                            const DisparityRange& range, int i, const MatcherConstants& constants,
-                            const Sink& sink) {
+template <typename Cost, class Sink>
+void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
+                 const DisparityRange& range, int i, const MatcherConstants& constants,
+                 const Sink& sink) {
   const int d = range.min + i;
   const ColumnSpan span = matchedColumns(width, d);
-  const float* line = costs.line(i);
+  const Cost* line = costs.line(i);
   const TermLines left(terms.left, 0);
   const TermLines right(terms.right, d);
   const MatcherConstants c = constants;
   forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-    const auto cost = hn::LoadU(tag, line + x);
+    const auto cost = loadCosts(tag, line + x, c.cost_unit);
     const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
     sink(tag, kCost, x, c.logarithmic_cost ? log_cost : cost);
     const auto left_ratio = hn::Sub(hn::LoadU(tag, left.log_lowest_cost + x), log_cost);
@@ -134,12 +156,14 @@ HWY_INLINE void forFeatures(const CostRow& costs, const RowTerms& terms, int wid
   });
 }
 
-void writeFeatures(const CostRow& costs, const RowTerms& terms, int width,
+void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
                    const DisparityRange& range, int i, const MatcherConstants& constants,
                    const FeatureLines& values) {
-  forFeatures(costs, terms, width, range, i, constants,
-              [lines = values](auto tag, int feature, int x, auto value)
-                  HWY_ATTR { hn::StoreU(value, tag, lines[feature] + x); });
+  const auto store = [lines = values](auto tag, int feature, int x, auto value)
+                         HWY_ATTR { hn::StoreU(value, tag, lines[feature] + x); };
+  std::visit([&](const auto* row)
+                 HWY_ATTR { forFeatures(*row, terms, width, range, i, constants, store); },
+             costs);
 }
 
 template <class D, class V = hn::Vec<D>>
@@ -151,14 +175,15 @@ HWY_INLINE void storeCodes(D tag, V values, float scale, float offset, std::uint
   hn::StoreU(hn::U8FromU32(low_byte), hn::Rebind<std::uint8_t, D>(), codes);
 }
 
-void writeCodes(const CostRow& costs, const RowTerms& terms, int width, const DisparityRange& range,
-                int i, const MatcherConstants& constants, const MatcherCodeMaps& maps,
-                const CodeLines& codes) {
-  forFeatures(costs, terms, width, range, i, constants,
-              [maps, codes](auto tag, int feature, int x, auto value) HWY_ATTR {
-                storeCodes(tag, value, maps[feature].scale, maps[feature].offset,
-                           codes[feature] + x);
-              });
+void writeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
+                const DisparityRange& range, int i, const MatcherConstants& constants,
+                const MatcherCodeMaps& maps, const CodeLines& codes) {
+  const auto store = [maps, codes](auto tag, int feature, int x, auto value) HWY_ATTR {
+    storeCodes(tag, value, maps[feature].scale, maps[feature].offset, codes[feature] + x);
+  };
+  std::visit([&](const auto* row)
+                 HWY_ATTR { forFeatures(*row, terms, width, range, i, constants, store); },
+             costs);
 }
 
 void quantizeValues(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
@@ -189,20 +214,20 @@ void resizeTerms(PixelTerms& terms, int width) {
 
 }  // namespace
 
-void computeRowTerms(const CostRow& costs, int width, const DisparityRange& range,
+void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
                      const MatcherConstants& constants, RowTerms& terms) {
   resizeTerms(terms.left, width);
   resizeTerms(terms.right, width);
   HWY_DYNAMIC_DISPATCH(fillTerms)(costs, width, range, constants, terms);
 }
 
-void computeFeatures(const CostRow& costs, const RowTerms& terms, int width,
+void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
                      const DisparityRange& range, int i, const MatcherConstants& constants,
                      const FeatureLines& values) {
   HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, width, range, i, constants, values);
 }
 
-void computeCodes(const CostRow& costs, const RowTerms& terms, int width,
+void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
                   const DisparityRange& range, int i, const MatcherConstants& constants,
                   const MatcherCodeMaps& maps, const CodeLines& codes) {
   HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, width, range, i, constants, maps, codes);

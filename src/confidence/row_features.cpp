@@ -8,7 +8,7 @@ void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
   range_ = range;
   matchers.computeRow(y, range, scratch_, costs_);
   for (int m = 0; m < kMatcherCount; ++m) {
-    computeRowTerms(costs_[m], width, range, kMatcherConstants[m], terms_[m]);
+    computeRowTerms(costs_.rows()[m], width, range, kMatcherConstants[m], terms_[m]);
   }
 }
 
@@ -19,7 +19,7 @@ void RowFeatures::compute(int i) {
     for (int f = 0; f < kFeaturesPerMatcher; ++f) {
       lines[f] = values_.data() + lineOffset(featureIndex(m, f));
     }
-    computeFeatures(costs_[m], terms_[m], width_, range_, i, kMatcherConstants[m], lines);
+    computeFeatures(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], lines);
   }
 }
 
@@ -32,7 +32,7 @@ void RowFeatures::computeCodes(int i, const FeatureQuantizer& quantizer) {
       lines[f] = codes_.data() + lineOffset(featureIndex(m, f));
       maps[f] = quantizer.maps[featureIndex(m, f)];
     }
-    cbmv::computeCodes(costs_[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps, lines);
+    cbmv::computeCodes(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps, lines);
   }
 }
 

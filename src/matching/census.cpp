@@ -1,54 +1,96 @@
 #include "cbmv_stereo/matching/census.h"
 
+#include <array>
+#include <cstddef>
+
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "matching/census.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Bytes = hn::CappedTag<std::uint8_t, 64>;
+
+/// `bits[x]`: which of the eight neighbours at the given distances in memory are darker than the
+/// pixel itself.
+void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances, int width,
+                       std::uint8_t* bits) {
+  forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
+    const auto centre = hn::LoadU(tag, pixels + x);
+    auto darker = hn::Zero(tag);
+    for (int bit = 0; bit < 8; ++bit) {
+      const auto neighbour = hn::LoadU(tag, pixels + x + distances[bit]);
+      darker = hn::Or(darker, hn::IfThenElseZero(hn::Lt(neighbour, centre),
+                                                 hn::Set(tag, 1U << static_cast<unsigned>(bit))));
+    }
+    hn::StoreU(darker, tag, bits + x);
+  });
+}
+
+/// Hamming distances of the columns `span` of the left image and those d further left in the right
+/// one. Byte k of a column lies `stride` behind byte k − 1.
+void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int stride, int d,
+                      const ColumnSpan& span, std::uint8_t* line) {
+  forLanes(Bytes(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+    auto distance = hn::Zero(tag);
+    for (int k = 0; k < CensusMatcher::kBytes; ++k) {
+      const auto difference = hn::Xor(hn::LoadU(tag, left + k * stride + x),
+                                      hn::LoadU(tag, right + k * stride + x - d));
+      distance = hn::Add(distance, hn::PopulationCount(difference));
+    }
+    hn::StoreU(distance, tag, line + x);
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-constexpr int kRadius = CensusMatcher::kWindowPx / 2;
+HWY_EXPORT(compareNeighbours);
+HWY_EXPORT(hammingDistances);
 
-/// Bits of the neighbours in window rows [first_row, last_row], in raster order, without the
-/// centre.
-std::uint64_t compareNeighbours(const cv::Mat& padded, int y, int x, int first_row, int last_row) {
-  const std::uint8_t centre = paddedRow<std::uint8_t>(padded, y)[x];
-  std::uint64_t bits = 0;
-  for (int dy = first_row; dy <= last_row; ++dy) {
-    const std::uint8_t* row = paddedRow<std::uint8_t>(padded, y + dy) + x;
-    // The centre's row is split between the two words: left half above, right half below.
-    const int first_column = dy == 0 && first_row == 0 ? 1 : -kRadius;
-    const int last_column = dy == 0 && last_row == 0 ? -1 : kRadius;
-    for (int dx = first_column; dx <= last_column; ++dx) {
-      bits = (bits << 1U) | static_cast<std::uint64_t>(row[dx] < centre);
+/// From a pixel to its neighbours in memory, in raster order.
+std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> neighbourDistances(std::ptrdiff_t stride) {
+  constexpr int kRadius = CensusMatcher::kWindowPx / 2;
+  std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> distances{};
+  std::size_t count = 0;
+  for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    for (int dx = -kRadius; dx <= kRadius; ++dx) {
+      if (dy != 0 || dx != 0) {
+        distances[count++] = dy * stride + dx;
+      }
     }
   }
-  return bits;
-}
-
-/// Number of set bits; written out so that it vectorises on machines without such an instruction.
-inline std::uint64_t countBits(std::uint64_t bits) {
-  bits -= (bits >> 1U) & 0x5555555555555555ULL;
-  bits = (bits & 0x3333333333333333ULL) + ((bits >> 2U) & 0x3333333333333333ULL);
-  bits = (bits + (bits >> 4U)) & 0x0f0f0f0f0f0f0f0fULL;
-  bits += bits >> 8U;
-  bits += bits >> 16U;
-  bits += bits >> 32U;
-  return bits & 0x7fU;
+  return distances;
 }
 
 }  // namespace
 
-void CensusMatcher::transform(const cv::Mat& padded, BitStrings& bits) {
+void CensusMatcher::transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const {
   const int height = padded.rows - 2 * kMatchingBorderPx;
-  const int width = padded.cols - 2 * kMatchingBorderPx;
-  bits.upper.resize(static_cast<std::size_t>(height) * width);
-  bits.lower.resize(static_cast<std::size_t>(height) * width);
+  bits.resize(rowOffset(height));
+  const auto distances = neighbourDistances(static_cast<std::ptrdiff_t>(padded.step1()));
   tbb::parallel_for(0, height, [&](int y) {
-    const std::size_t row = static_cast<std::size_t>(y) * width;
-    for (int x = 0; x < width; ++x) {
-      bits.upper[row + x] = compareNeighbours(padded, y, x, -kRadius, 0);
-      bits.lower[row + x] = compareNeighbours(padded, y, x, 0, kRadius);
+    for (int k = 0; k < kBytes; ++k) {
+      HWY_DYNAMIC_DISPATCH(compareNeighbours)
+      (paddedRow<std::uint8_t>(padded, y), &distances[8 * k], width_,
+       bits.data() + rowOffset(y) + static_cast<std::size_t>(k) * width_);
     }
   });
 }
@@ -59,19 +101,16 @@ void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_ri
   transform(padded_right, right_);
 }
 
-void CensusMatcher::computeRow(int y, const DisparityRange& range, CostRow& costs) const {
+void CensusMatcher::computeRow(int y, const DisparityRange& range,
+                               CostRow<std::uint8_t>& costs) const {
   costs.resize(width_, range.count);
-  const std::size_t row = static_cast<std::size_t>(y) * width_;
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width_, d);
-    float* line = costs.line(i);
-    for (int x = span.begin; x < span.end; ++x) {
-      const std::uint64_t distance = countBits(left_.upper[row + x] ^ right_.upper[row + x - d]) +
-                                     countBits(left_.lower[row + x] ^ right_.lower[row + x - d]);
-      line[x] = static_cast<float>(static_cast<std::int32_t>(distance));
-    }
+    HWY_DYNAMIC_DISPATCH(hammingDistances)
+    (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, d,
+     matchedColumns(width_, d), costs.line(i));
   }
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

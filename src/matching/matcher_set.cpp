@@ -15,10 +15,10 @@ void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right) {
 
 void MatcherSet::computeRow(int y, const DisparityRange& range, Scratch& scratch,
                             MatcherCosts& costs) const {
-  census_.computeRow(y, range, costs[kCensus]);
-  ncc_.computeRow(y, range, costs[kNcc]);
-  zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs[kZeroMeanSad]);
-  sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs[kSobelSad]);
+  census_.computeRow(y, range, costs.census);
+  ncc_.computeRow(y, range, scratch.ncc, costs.ncc);
+  zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs.zero_mean_sad);
+  sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs.sobel_sad);
 }
 
 }  // namespace cbmv

@@ -1,57 +1,129 @@
 #include "cbmv_stereo/matching/ncc.h"
 
-#include <array>
-#include <cmath>
-#include <cstdint>
-
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "matching/ncc.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+
+// All sums and products here are whole numbers below 2²⁴, exact in single precision: a fused
+// multiply-add changes nothing.
+constexpr float kPixels = NccMatcher::kWindowPx * NccMatcher::kWindowPx;
+
+/// Sum of columns x − 1, x, x + 1.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V sumOfThree(D tag, const float* columns) {
+  return hn::Add(hn::Add(hn::LoadU(tag, columns - 1), hn::LoadU(tag, columns)),
+                 hn::LoadU(tag, columns + 1));
+}
+
+/// Sums down the columns of the windows, from one column before `span` to one behind, of left ·
+/// right pixels.
+HWY_INLINE void sumProducts(const NccMatcher::Rows& left, const NccMatcher::Rows& right, int d,
+                            const ColumnSpan& span, float* columns) {
+  const NccMatcher::Rows l = left;
+  const NccMatcher::Rows r = right;
+  forLanes(Floats(), span.begin - 1, span.end + 1, [=](auto tag, int x, int) HWY_ATTR {
+    auto sum = hn::Mul(hn::LoadU(tag, l[0] + x), hn::LoadU(tag, r[0] + x - d));
+    sum = hn::MulAdd(hn::LoadU(tag, l[1] + x), hn::LoadU(tag, r[1] + x - d), sum);
+    sum = hn::MulAdd(hn::LoadU(tag, l[2] + x), hn::LoadU(tag, r[2] + x - d), sum);
+    hn::StoreU(sum, tag, columns + x);
+  });
+}
+
+void sumWindows(const NccMatcher::Rows& rows, int width, float* columns, float* sums,
+                float* inverse_deviations) {
+  const NccMatcher::Rows r = rows;
+  forLanes(Floats(), -1, width + 1, [=](auto tag, int x, int) HWY_ATTR {
+    const auto sum = hn::Add(hn::Add(hn::LoadU(tag, r[0] + x), hn::LoadU(tag, r[1] + x)),
+                             hn::LoadU(tag, r[2] + x));
+    hn::StoreU(sum, tag, columns + x);
+  });
+  forLanes(Floats(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
+    hn::StoreU(sumOfThree(tag, columns + x), tag, sums + x);
+  });
+  const ColumnSpan span{0, width};
+  sumProducts(rows, rows, 0, span, columns);
+  forLanes(Floats(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
+    const auto sum = hn::LoadU(tag, sums + x);
+    const auto variance =
+        hn::Sub(hn::Mul(hn::Set(tag, kPixels), sumOfThree(tag, columns + x)), hn::Mul(sum, sum));
+    const auto inverse = hn::Div(hn::Set(tag, 1.0F), hn::Sqrt(variance));
+    hn::StoreU(hn::IfThenElseZero(hn::Gt(variance, hn::Zero(tag)), inverse), tag,
+               inverse_deviations + x);
+  });
+}
+
+void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right, int d,
+               const ColumnSpan& span, float* columns, float* line) {
+  sumProducts(left.rows, right.rows, d, span, columns);
+  const NccMatcher::Windows l = left;
+  const NccMatcher::Windows r = right;
+  forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+    const auto negative_covariance =
+        hn::Sub(hn::Mul(hn::LoadU(tag, l.sums + x), hn::LoadU(tag, r.sums + x - d)),
+                hn::Mul(hn::Set(tag, kPixels), sumOfThree(tag, columns + x)));
+    const auto inverse = hn::Mul(hn::LoadU(tag, l.inverse_deviations + x),
+                                 hn::LoadU(tag, r.inverse_deviations + x - d));
+    const auto cost = hn::Mul(negative_covariance, inverse);
+    const auto textured = hn::Gt(inverse, hn::Zero(tag));
+    hn::StoreU(hn::IfThenElse(textured, cost, hn::Set(tag, 1.0F)), tag, line + x);
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-constexpr int kRadius = NccMatcher::kWindowPx / 2;
-constexpr int kPixels = NccMatcher::kWindowPx * NccMatcher::kWindowPx;
-using WindowRows = std::array<const std::uint8_t*, NccMatcher::kWindowPx>;
+HWY_EXPORT(sumWindows);
+HWY_EXPORT(correlate);
 
-WindowRows windowRows(const cv::Mat& padded, int y) {
-  return {paddedRow<std::uint8_t>(padded, y - 1), paddedRow<std::uint8_t>(padded, y),
-          paddedRow<std::uint8_t>(padded, y + 1)};
+NccMatcher::Rows windowRows(const cv::Mat& padded, int y) {
+  return {paddedRow<float>(padded, y - 1), paddedRow<float>(padded, y),
+          paddedRow<float>(padded, y + 1)};
 }
 
-/// Sum over the window of the products of both images' pixels.
-inline std::int32_t sumOfProducts(const WindowRows& left, const WindowRows& right, int x, int d) {
-  std::int32_t sum = 0;
-  for (int r = 0; r < NccMatcher::kWindowPx; ++r) {
-    for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      sum += left[r][x + dx] * right[r][x + dx - d];
-    }
-  }
-  return sum;
+/// Memory for the columns −1 … width; the pointer is to column 0.
+float* columnSums(int width, std::vector<float>& memory) {
+  memory.resize(static_cast<std::size_t>(width) + 2);
+  return memory.data() + 1;
 }
 
 }  // namespace
 
+NccMatcher::Windows NccMatcher::WindowStatistics::row(int y) const {
+  return {windowRows(padded, y), sums.ptr<float>(y), inverse_deviations.ptr<float>(y)};
+}
+
 void NccMatcher::prepareImage(const cv::Mat& padded, WindowStatistics& statistics) {
-  statistics.padded = padded;
   const int height = padded.rows - 2 * kMatchingBorderPx;
   const int width = padded.cols - 2 * kMatchingBorderPx;
-  statistics.sums.create(height, width, CV_32SC1);
+  padded.convertTo(statistics.padded, CV_32F);
+  statistics.sums.create(height, width, CV_32FC1);
   statistics.inverse_deviations.create(height, width, CV_32FC1);
   tbb::parallel_for(0, height, [&](int y) {
-    const WindowRows rows = windowRows(padded, y);
-    auto* sums = statistics.sums.ptr<std::int32_t>(y);
-    auto* inverse_deviations = statistics.inverse_deviations.ptr<float>(y);
-    for (int x = 0; x < width; ++x) {
-      std::int32_t sum = 0;
-      for (const std::uint8_t* row : rows) {
-        sum += row[x - 1] + row[x] + row[x + 1];
-      }
-      const std::int32_t variance = kPixels * sumOfProducts(rows, rows, x, 0) - sum * sum;
-      sums[x] = sum;
-      inverse_deviations[x] = variance > 0 ? 1.0F / std::sqrt(static_cast<float>(variance)) : 0.0F;
-    }
+    std::vector<float> memory;
+    HWY_DYNAMIC_DISPATCH(sumWindows)
+    (windowRows(statistics.padded, y), width, columnSums(width, memory),
+     statistics.sums.ptr<float>(y), statistics.inverse_deviations.ptr<float>(y));
   });
 }
 
@@ -60,26 +132,19 @@ void NccMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right
   prepareImage(padded_right, right_);
 }
 
-void NccMatcher::computeRow(int y, const DisparityRange& range, CostRow& costs) const {
+void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                            CostRow<float>& costs) const {
   const int width = left_.sums.cols;
   costs.resize(width, range.count);
-  const WindowRows left_rows = windowRows(left_.padded, y);
-  const WindowRows right_rows = windowRows(right_.padded, y);
-  const auto* left_sums = left_.sums.ptr<std::int32_t>(y);
-  const auto* right_sums = right_.sums.ptr<std::int32_t>(y);
-  const auto* left_inverse = left_.inverse_deviations.ptr<float>(y);
-  const auto* right_inverse = right_.inverse_deviations.ptr<float>(y);
+  const Windows left = left_.row(y);
+  const Windows right = right_.row(y);
+  float* columns = columnSums(width, scratch.column_sums);
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
-    float* line = costs.line(i);
-    for (int x = span.begin; x < span.end; ++x) {
-      const std::int32_t covariance =
-          kPixels * sumOfProducts(left_rows, right_rows, x, d) - left_sums[x] * right_sums[x - d];
-      const float inverse = left_inverse[x] * right_inverse[x - d];
-      line[x] = inverse > 0.0F ? -static_cast<float>(covariance) * inverse : 1.0F;
-    }
+    HWY_DYNAMIC_DISPATCH(correlate)
+    (left, right, d, matchedColumns(width, d), columns, costs.line(i));
   }
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

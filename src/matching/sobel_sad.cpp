@@ -1,22 +1,67 @@
 #include "cbmv_stereo/matching/sobel_sad.h"
 
-#include <algorithm>
-#include <array>
+#include <cstddef>
 
 #include <opencv2/imgproc.hpp>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "matching/sobel_sad.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Words = hn::CappedTag<std::uint16_t, 32>;
+
+/// Sums of absolute differences in the windows of the columns `span`. `columns` holds the sums down
+/// the columns meanwhile, from two before to two behind.
+void sumDifferences(const SobelSadMatcher::Rows& left, const SobelSadMatcher::Rows& right, int d,
+                    const ColumnSpan& span, std::uint16_t* columns, std::uint16_t* line) {
+  constexpr int kRadius = SobelSadMatcher::kWindowPx / 2;
+  const SobelSadMatcher::Rows l = left;
+  const SobelSadMatcher::Rows r = right;
+  forLanes(Words(), span.begin - kRadius, span.end + kRadius, [=](auto tag, int x, int) HWY_ATTR {
+    const hn::RebindToSigned<decltype(tag)> signed_tag;
+    auto sum = hn::Zero(tag);
+    for (int row = 0; row < SobelSadMatcher::kWindowPx; ++row) {
+      const auto difference =
+          hn::Sub(hn::LoadU(signed_tag, l[row] + x), hn::LoadU(signed_tag, r[row] + x - d));
+      sum = hn::Add(sum, hn::BitCast(tag, hn::Abs(difference)));
+    }
+    hn::StoreU(sum, tag, columns + x);
+  });
+  forLanes(Words(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+    auto sum = hn::Zero(tag);
+    for (int k = -kRadius; k <= kRadius; ++k) {
+      sum = hn::Add(sum, hn::LoadU(tag, columns + x + k));
+    }
+    hn::StoreU(sum, tag, line + x);
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-constexpr int kRadius = SobelSadMatcher::kWindowPx / 2;
-using WindowRows = std::array<const std::int16_t*, SobelSadMatcher::kWindowPx>;
+HWY_EXPORT(sumDifferences);
 
-WindowRows windowRows(const cv::Mat& padded, int y) {
-  WindowRows rows{};
+SobelSadMatcher::Rows windowRows(const cv::Mat& padded, int y) {
+  SobelSadMatcher::Rows rows{};
   for (int r = 0; r < SobelSadMatcher::kWindowPx; ++r) {
-    rows[r] = paddedRow<std::int16_t>(padded, y + r - kRadius);
+    rows[r] = paddedRow<std::int16_t>(padded, y + r - SobelSadMatcher::kWindowPx / 2);
   }
   return rows;
 }
@@ -29,33 +74,19 @@ void SobelSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_
 }
 
 void SobelSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                                 CostRow& costs) const {
+                                 CostRow<std::uint16_t>& costs) const {
   const int width = left_responses_.cols - 2 * kMatchingBorderPx;
   costs.resize(width, range.count);
-  scratch.column_sums.resize(width + 2 * kRadius);
-  const WindowRows left = windowRows(left_responses_, y);
-  const WindowRows right = windowRows(right_responses_, y);
+  scratch.column_sums.resize(static_cast<std::size_t>(width) + kWindowPx - 1);
+  const Rows left = windowRows(left_responses_, y);
+  const Rows right = windowRows(right_responses_, y);
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
-    std::uint16_t* column_sums = scratch.column_sums.data() + kRadius;
-    for (int x = span.begin - kRadius; x < span.end + kRadius; ++x) {
-      std::uint16_t sum = 0;
-      for (int r = 0; r < kWindowPx; ++r) {
-        const auto difference = static_cast<std::int16_t>(left[r][x] - right[r][x - d]);
-        sum = static_cast<std::uint16_t>(
-            sum + std::max(difference, static_cast<std::int16_t>(-difference)));
-      }
-      column_sums[x] = sum;
-    }
-    float* line = costs.line(i);
-    for (int x = span.begin; x < span.end; ++x) {
-      const auto sum =
-          static_cast<std::uint16_t>(column_sums[x - 2] + column_sums[x - 1] + column_sums[x] +
-                                     column_sums[x + 1] + column_sums[x + 2]);
-      line[x] = static_cast<float>(sum);
-    }
+    HWY_DYNAMIC_DISPATCH(sumDifferences)
+    (left, right, d, matchedColumns(width, d), scratch.column_sums.data() + kWindowPx / 2,
+     costs.line(i));
   }
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

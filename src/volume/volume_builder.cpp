@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -10,8 +11,68 @@
 #include "cbmv_stereo/confidence/row_features.h"
 #include "cbmv_stereo/matching/matcher_set.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volume/volume_builder.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kTile = 16;
+using TileRow = hn::FixedTag<std::uint8_t, kTile>;
+
+/// Transposes 16 × 16 bytes by four perfect shuffles: each interleaves the upper half of the rows
+/// with the lower one.
+HWY_INLINE void transposeTile(const std::uint8_t* from, int from_stride, std::uint8_t* to,
+                              int to_stride) {
+  const TileRow row;
+  alignas(16) std::uint8_t tiles[2][kTile][kTile];
+  for (int r = 0; r < kTile; ++r) {
+    hn::Store(hn::LoadU(row, from + static_cast<std::ptrdiff_t>(r) * from_stride), row,
+              tiles[0][r]);
+  }
+  for (int round = 0; round < 4; ++round) {
+    const auto& before = tiles[round % 2];
+    auto& after = tiles[(round + 1) % 2];
+    for (int r = 0; r < kTile / 2; ++r) {
+      const auto upper = hn::Load(row, before[r]);
+      const auto lower = hn::Load(row, before[r + kTile / 2]);
+      hn::Store(hn::InterleaveLower(row, upper, lower), row, after[2 * r]);
+      hn::Store(hn::InterleaveUpper(row, upper, lower), row, after[2 * r + 1]);
+    }
+  }
+  for (int r = 0; r < kTile; ++r) {
+    hn::StoreU(hn::Load(row, tiles[0][r]), row, to + static_cast<std::ptrdiff_t>(r) * to_stride);
+  }
+}
+
+/// [d][x] to [x][d]; at least a tile in both directions. The last tiles overlap those before.
+void transposeTiles(const std::uint8_t* costs, int width, int disparities, std::uint8_t* row) {
+  for (int next_x = 0; next_x < width; next_x += kTile) {
+    const int x = std::min(next_x, width - kTile);
+    for (int next_i = 0; next_i < disparities; next_i += kTile) {
+      const int i = std::min(next_i, disparities - kTile);
+      transposeTile(costs + static_cast<std::ptrdiff_t>(i) * width + x, width,
+                    row + static_cast<std::ptrdiff_t>(x) * disparities + i, disparities);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
+
+HWY_EXPORT(transposeTiles);
 
 /// Buffers of one thread for one image row.
 struct RowWorkspace {
@@ -36,16 +97,17 @@ void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width
   evaluator.evaluate(codes, span.end - span.begin, line + span.begin);
 }
 
-/// [d][x] to [x][d], in blocks that fit the first-level cache.
+/// [d][x] to [x][d]
 void transpose(const std::uint8_t* costs, int width, int disparities, std::uint8_t* row) {
-  constexpr int kBlock = 64;
-  for (int x0 = 0; x0 < width; x0 += kBlock) {
-    const int x1 = std::min(width, x0 + kBlock);
-    for (int i = 0; i < disparities; ++i) {
-      for (int x = x0; x < x1; ++x) {
-        row[static_cast<std::size_t>(x) * disparities + i] =
-            costs[static_cast<std::size_t>(i) * width + x];
-      }
+  constexpr int kTile = 16;
+  if (width >= kTile && disparities >= kTile) {
+    HWY_DYNAMIC_DISPATCH(transposeTiles)(costs, width, disparities, row);
+    return;
+  }
+  for (int i = 0; i < disparities; ++i) {
+    for (int x = 0; x < width; ++x) {
+      row[static_cast<std::ptrdiff_t>(x) * disparities + i] =
+          costs[static_cast<std::ptrdiff_t>(i) * width + x];
     }
   }
 }
@@ -94,3 +156,4 @@ void shiftToRightView(const DisparityRange& range, MatchingVolume& volume) {
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <variant>
+#include <vector>
 
 #include "support/random_images.h"
 #include "support/simd_targets.h"
@@ -11,19 +13,35 @@
 namespace cbmv::test {
 namespace {
 
-/// Costs as a matcher could give them: in [0, 120], or in [−1, 1] for NCC.
-CostRow randomCosts(const Shape& shape, int matcher) {
+template <typename Cost>
+void fillRandomly(const Shape& shape, double lowest, double highest, CostRow<Cost>& costs) {
   std::mt19937 random(5);
-  std::uniform_real_distribution<float> cost(matcher == kNcc ? -1.0F : 0.0F,
-                                             matcher == kNcc ? 1.0F : 120.0F);
-  CostRow costs;
+  std::uniform_real_distribution<double> cost(lowest, highest);
   costs.resize(shape.width, shape.range.count);
   for (int i = 0; i < shape.range.count; ++i) {
     for (int x = 0; x < shape.width; ++x) {
-      costs.line(i)[x] = matcher == kNcc ? cost(random) : std::round(cost(random));
+      costs.line(i)[x] = static_cast<Cost>(cost(random));
     }
   }
+}
+
+/// Costs as the matchers could give them.
+MatcherCosts randomCosts(const Shape& shape) {
+  MatcherCosts costs;
+  fillRandomly(shape, 0, 121, costs.census);
+  fillRandomly(shape, -1, 1, costs.ncc);
+  fillRandomly(shape, 0, 481, costs.zero_mean_sad);
+  fillRandomly(shape, 0, 51001, costs.sobel_sad);
   return costs;
+}
+
+/// In the unit of the matcher's constants.
+double costAt(const MatcherCosts& costs, int matcher, int i, int x) {
+  return std::visit(
+      [&](const auto* row) {
+        return kMatcherConstants[matcher].cost_unit * static_cast<double>(row->line(i)[x]);
+      },
+      costs.rows()[matcher]);
 }
 
 struct Confidences {
@@ -32,8 +50,9 @@ struct Confidences {
 };
 
 /// Straight from the formulas, over the competitors at constant x_L (left) or x_R (right).
-Confidences naiveConfidences(const CostRow& costs, const Shape& shape, int x, int i, View view,
-                             const MatcherConstants& constants) {
+Confidences naiveConfidences(const MatcherCosts& costs, int matcher, const Shape& shape, int x,
+                             int i, View view) {
+  const MatcherConstants constants = kMatcherConstants[matcher];
   const int x_right = x - shape.range.min - i;
   std::vector<double> competitors;
   for (int k = 0; k < shape.range.count; ++k) {
@@ -41,7 +60,7 @@ Confidences naiveConfidences(const CostRow& costs, const Shape& shape, int x, in
     const int right_column = left_column - shape.range.min - k;
     if (left_column >= 0 && left_column < shape.width && right_column >= 0 &&
         right_column < shape.width) {
-      competitors.push_back(costs.line(k)[left_column]);
+      competitors.push_back(costAt(costs, matcher, k, left_column));
     }
   }
   const double lowest = *std::min_element(competitors.begin(), competitors.end());
@@ -52,7 +71,7 @@ Confidences naiveConfidences(const CostRow& costs, const Shape& shape, int x, in
   for (const double cost : competitors) {
     sum += likelihood(cost);
   }
-  const double cost = costs.line(i)[x];
+  const double cost = costAt(costs, matcher, i, x);
   return {std::log((lowest + constants.epsilon) / (cost + constants.epsilon)),
           -(cost - lowest) * (cost - lowest) / constants.two_sigma_squared - std::log(sum)};
 }
@@ -60,7 +79,7 @@ Confidences naiveConfidences(const CostRow& costs, const Shape& shape, int x, in
 using Lines = std::vector<std::vector<float>>;
 
 /// Feature values [i · 5 + feature][x]; 0 where the match lies outside.
-Lines computeAllFeatures(const CostRow& costs, const Shape& shape,
+Lines computeAllFeatures(const CostRowPointer& costs, const Shape& shape,
                          const MatcherConstants& constants) {
   RowTerms terms;
   computeRowTerms(costs, shape.width, shape.range, constants, terms);
@@ -79,26 +98,24 @@ class FeaturesTest : public testing::TestWithParam<std::tuple<Shape, int>> {};
 TEST_P(FeaturesTest, EqualDefinitions) {
   const auto [shape, matcher] = GetParam();
   const MatcherConstants constants = kMatcherConstants[matcher];
-  const CostRow costs = randomCosts(shape, matcher);
-  const Lines values = computeAllFeatures(costs, shape, constants);
-  // Single-precision logarithms of values up to 2⁷; squared differences up to 120² / 128.
-  const double tolerance = 2e-4;
+  const MatcherCosts costs = randomCosts(shape);
+  const Lines values = computeAllFeatures(costs.rows()[matcher], shape, constants);
   for (int i = 0; i < shape.range.count; ++i) {
     const std::vector<float>* lines = &values[i * kFeaturesPerMatcher];
     const ColumnSpan span = matchedColumns(shape.width, shape.range.min + i);
     for (int x = span.begin; x < span.end; ++x) {
-      const double cost = costs.line(i)[x];
-      const Confidences left = naiveConfidences(costs, shape, x, i, View::kLeft, constants);
-      const Confidences right = naiveConfidences(costs, shape, x, i, View::kRight, constants);
-      ASSERT_NEAR(lines[kCost][x],
-                  constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost,
-                  tolerance);
-      ASSERT_NEAR(lines[kRatioLow][x], std::min(left.log_ratio, right.log_ratio), tolerance);
-      ASSERT_NEAR(lines[kRatioHigh][x], std::max(left.log_ratio, right.log_ratio), tolerance);
-      ASSERT_NEAR(lines[kLikelihoodLow][x], std::min(left.log_likelihood, right.log_likelihood),
-                  tolerance);
-      ASSERT_NEAR(lines[kLikelihoodHigh][x], std::max(left.log_likelihood, right.log_likelihood),
-                  tolerance);
+      const double cost = costAt(costs, matcher, i, x);
+      const Confidences left = naiveConfidences(costs, matcher, shape, x, i, View::kLeft);
+      const Confidences right = naiveConfidences(costs, matcher, shape, x, i, View::kRight);
+      const auto expect = [&, x = x](Feature feature, double expected) {
+        // Single precision; the logarithms are of values up to 2¹⁶.
+        EXPECT_NEAR(lines[feature][x], expected, 2e-4 + 1e-6 * std::abs(expected)) << feature;
+      };
+      expect(kCost, constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost);
+      expect(kRatioLow, std::min(left.log_ratio, right.log_ratio));
+      expect(kRatioHigh, std::max(left.log_ratio, right.log_ratio));
+      expect(kLikelihoodLow, std::min(left.log_likelihood, right.log_likelihood));
+      expect(kLikelihoodHigh, std::max(left.log_likelihood, right.log_likelihood));
     }
   }
 }
@@ -106,7 +123,8 @@ TEST_P(FeaturesTest, EqualDefinitions) {
 TEST_P(FeaturesTest, AreTheSameOnEveryInstructionSet) {
   const auto [shape, matcher] = GetParam();
   const MatcherConstants constants = kMatcherConstants[matcher];
-  const CostRow costs = randomCosts(shape, matcher);
+  const MatcherCosts all_costs = randomCosts(shape);
+  const CostRowPointer costs = all_costs.rows()[matcher];
   const Lines expected = computeAllFeatures(costs, shape, constants);
   onEverySimdTarget(
       [&, shape = shape] { EXPECT_EQ(computeAllFeatures(costs, shape, constants), expected); });
@@ -115,7 +133,8 @@ TEST_P(FeaturesTest, AreTheSameOnEveryInstructionSet) {
 TEST_P(FeaturesTest, CodesAreQuantizedFeatures) {
   const auto [shape, matcher] = GetParam();
   const MatcherConstants constants = kMatcherConstants[matcher];
-  const CostRow costs = randomCosts(shape, matcher);
+  const MatcherCosts all_costs = randomCosts(shape);
+  const CostRowPointer costs = all_costs.rows()[matcher];
   const Lines values = computeAllFeatures(costs, shape, constants);
   const MatcherCodeMaps maps = {{{2, 3}, {20, 150}, {30, 250}, {9, 170}, {11, 260}}};
   onEverySimdTarget([&, shape = shape] {
@@ -142,7 +161,7 @@ TEST_P(FeaturesTest, CodesAreQuantizedFeatures) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, FeaturesTest,
                          testing::Combine(testing::ValuesIn(awkwardShapes()),
-                                          testing::Values(kCensus, kNcc, kZeroMeanSad)));
+                                          testing::Values(kCensus, kNcc, kZeroMeanSad, kSobelSad)));
 
 TEST(Features, MatchedColumnsAreThoseInside) {
   for (const Shape& shape : awkwardShapes()) {

@@ -10,11 +10,11 @@ class CensusTest : public testing::TestWithParam<MatchingCase> {};
 TEST_P(CensusTest, EqualsHammingDistanceOfComparisons) {
   const auto [shape, content] = GetParam();
   const MatchingPair pair = makePair(shape, content);
-  CensusMatcher matcher;
-  matcher.prepare(pair.padded_left, pair.padded_right);
-  expectCosts(
-      shape, 0,
-      [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
+  expectCosts<std::uint8_t, CensusMatcher>(
+      pair, shape, 0,
+      [range = shape.range](const CensusMatcher& matcher, int y, CostRow<std::uint8_t>& costs) {
+        matcher.computeRow(y, range, costs);
+      },
       [&](int y, int x, int x_right) {
         int distance = 0;
         for (int dy = -5; dy <= 5; ++dy) {

@@ -37,11 +37,12 @@ class NccTest : public testing::TestWithParam<MatchingCase> {};
 TEST_P(NccTest, EqualsDefinition) {
   const auto [shape, content] = GetParam();
   const MatchingPair pair = makePair(shape, content);
-  NccMatcher matcher;
-  matcher.prepare(pair.padded_left, pair.padded_right);
-  expectCosts(
-      shape, 2e-6,
-      [&, range = shape.range](int y, CostRow& costs) { matcher.computeRow(y, range, costs); },
+  expectCosts<float, NccMatcher>(
+      pair, shape, 2e-6,
+      [range = shape.range](const NccMatcher& matcher, int y, CostRow<float>& costs) {
+        NccMatcher::Scratch scratch;
+        matcher.computeRow(y, range, scratch, costs);
+      },
       [&](int y, int x, int x_right) { return naiveNccCost(pair, y, x, x_right); });
 }
 

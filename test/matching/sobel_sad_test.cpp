@@ -21,12 +21,10 @@ class SobelSadTest : public testing::TestWithParam<MatchingCase> {};
 TEST_P(SobelSadTest, EqualsDefinition) {
   const auto [shape, content] = GetParam();
   const MatchingPair pair = makePair(shape, content);
-  SobelSadMatcher matcher;
-  matcher.prepare(pair.padded_left, pair.padded_right);
-  SobelSadMatcher::Scratch scratch;
-  expectCosts(
-      shape, 0,
-      [&, range = shape.range](int y, CostRow& costs) {
+  expectCosts<std::uint16_t, SobelSadMatcher>(
+      pair, shape, 0,
+      [range = shape.range](const SobelSadMatcher& matcher, int y, CostRow<std::uint16_t>& costs) {
+        SobelSadMatcher::Scratch scratch;
         matcher.computeRow(y, range, scratch, costs);
       },
       [&](int y, int x, int x_right) {

@@ -23,12 +23,11 @@ class ZeroMeanSadTest : public testing::TestWithParam<MatchingCase> {};
 TEST_P(ZeroMeanSadTest, EqualsDefinition) {
   const auto [shape, content] = GetParam();
   const MatchingPair pair = makePair(shape, content);
-  ZeroMeanSadMatcher matcher;
-  matcher.prepare(pair.padded_left, pair.padded_right);
-  ZeroMeanSadMatcher::Scratch scratch;
-  expectCosts(
-      shape, 0,
-      [&, range = shape.range](int y, CostRow& costs) {
+  expectCosts<std::uint16_t, ZeroMeanSadMatcher>(
+      pair, shape, 0,
+      [range = shape.range](const ZeroMeanSadMatcher& matcher, int y,
+                            CostRow<std::uint16_t>& costs) {
+        ZeroMeanSadMatcher::Scratch scratch;
         matcher.computeRow(y, range, scratch, costs);
       },
       [&](int y, int x, int x_right) {
@@ -41,7 +40,7 @@ TEST_P(ZeroMeanSadTest, EqualsDefinition) {
                             (at(pair.right, y + dy, x_right + dx) - mean_right));
           }
         }
-        return sum;
+        return 4 * sum;
       });
 }
 
@@ -58,9 +57,9 @@ TEST(ZeroMeanSad, LargestCostFits) {
   ZeroMeanSadMatcher matcher;
   matcher.prepare(pair.padded_left, pair.padded_right);
   ZeroMeanSadMatcher::Scratch scratch;
-  CostRow costs;
+  CostRow<std::uint16_t> costs;
   matcher.computeRow(5, {0, 1}, scratch, costs);
-  EXPECT_FLOAT_EQ(costs.line(0)[4], 15 * (255 - 51.0F) + 10 * (255 + 51.0F));
+  EXPECT_EQ(costs.line(0)[4], 4 * (15 * (255 - 51) + 10 * (255 + 51)));
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/matching/cost_row.h"
 #include "cbmv_stereo/matching/padded_image.h"
@@ -37,23 +40,49 @@ inline auto allMatchingCases() {
                           testing::Values(Content::kNoise, Content::kPatches));
 }
 
-/// Compares computeRow(y, costs) with expected(y, x, x_right) at all hypotheses that match inside.
-template <typename ComputeRow, typename Expected>
-void expectCosts(const Shape& shape, double tolerance, const ComputeRow& compute_row,
-                 const Expected& expected) {
-  CostRow costs;
+/// Calls visit(y, i, x, x_right) for all hypotheses that match inside.
+template <typename Visit>
+void forHypotheses(const Shape& shape, const Visit& visit) {
   for (int y = 0; y < shape.height; ++y) {
-    compute_row(y, costs);
     for (int i = 0; i < shape.range.count; ++i) {
       for (int x = 0; x < shape.width; ++x) {
         const int x_right = x - shape.range.min - i;
         if (x_right >= 0 && x_right < shape.width) {
-          ASSERT_NEAR(costs.line(i)[x], expected(y, x, x_right), tolerance)
-              << "y " << y << " x " << x << " i " << i << " in " << shape;
+          visit(y, i, x, x_right);
         }
       }
     }
   }
+}
+
+/// Costs of the whole pair, prepared and matched by `Matcher`, in the order of forHypotheses.
+template <typename Cost, typename Matcher, typename ComputeRow>
+std::vector<Cost> computeCosts(const MatchingPair& pair, const Shape& shape,
+                               const ComputeRow& compute_row) {
+  Matcher matcher;
+  matcher.prepare(pair.padded_left, pair.padded_right);
+  std::vector<CostRow<Cost>> rows(shape.height);
+  for (int y = 0; y < shape.height; ++y) {
+    compute_row(matcher, y, rows[y]);
+  }
+  std::vector<Cost> costs;
+  forHypotheses(shape, [&](int y, int i, int x, int) { costs.push_back(rows[y].line(i)[x]); });
+  return costs;
+}
+
+/// Compares the costs with expected(y, x, x_right) at all hypotheses that match inside, and those
+/// of every instruction set with each other, to the last bit.
+template <typename Cost, typename Matcher, typename ComputeRow, typename Expected>
+void expectCosts(const MatchingPair& pair, const Shape& shape, double tolerance,
+                 const ComputeRow& compute_row, const Expected& expected) {
+  const std::vector<Cost> costs = computeCosts<Cost, Matcher>(pair, shape, compute_row);
+  std::size_t next = 0;
+  forHypotheses(shape, [&](int y, int i, int x, int x_right) {
+    EXPECT_NEAR(costs[next++], expected(y, x, x_right), tolerance)
+        << "y " << y << " x " << x << " i " << i << " in " << shape;
+  });
+  onEverySimdTarget(
+      [&] { EXPECT_EQ((computeCosts<Cost, Matcher>(pair, shape, compute_row)), costs); });
 }
 
 }  // namespace cbmv::test

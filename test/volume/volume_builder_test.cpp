@@ -1,9 +1,11 @@
 #include "cbmv_stereo/volume/volume_builder.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/random_forest.h"
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/confidence/row_features.h"
 
@@ -44,6 +46,16 @@ TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
       }
     }
   }
+}
+
+TEST_P(VolumeBuilderTest, IsTheSameOnEveryInstructionSet) {
+  const Shape shape = GetParam();
+  const Forest forest = makeForest(30, 6, 5);
+  const MatchingVolume expected = buildVolume(shape, forest);
+  onEverySimdTarget([&] {
+    const MatchingVolume volume = buildVolume(shape, forest);
+    EXPECT_TRUE(std::equal(volume.row(0), volume.row(0) + volume.size(), expected.row(0)));
+  });
 }
 
 TEST_P(VolumeBuilderTest, RightViewIsShiftedLeftView) {

@@ -30,15 +30,16 @@ constexpr int featureIndex(int matcher, int feature) {
 
 /// Constants of the confidences of one matcher (ibid.).
 struct MatcherConstants {
+  float cost_unit;          ///< what 1 in a CostRow stands for
   float epsilon;            ///< ε of the ratio: keeps C + ε positive
   float two_sigma_squared;  ///< 2σ² of the likelihood, in squared units of the cost
   bool logarithmic_cost;    ///< kCost is log(C + ε)
 };
 constexpr std::array<MatcherConstants, kMatcherCount> kMatcherConstants = {{
-    {0.01F, 128.0F, false},   // census
-    {1.01F, 0.02F, true},     // NCC
-    {0.01F, 20000.0F, true},  // zero-mean SAD
-    {0.01F, 20000.0F, true},  // Sobel SAD
+    {1.0F, 0.01F, 128.0F, false},                                       // census
+    {1.0F, 1.01F, 0.02F, true},                                         // NCC
+    {1.0F / ZeroMeanSadMatcher::kUnitsPerGrey, 0.01F, 20000.0F, true},  // zero-mean SAD
+    {1.0F, 0.01F, 20000.0F, true},                                      // Sobel SAD
 }};
 
 /// What the confidences need of a pixel of one view, for one matcher; a value a column.
@@ -56,13 +57,13 @@ struct RowTerms {
 };
 
 /// Computes `terms` of one matcher from its costs of a row of `width` columns.
-void computeRowTerms(const CostRow& costs, int width, const DisparityRange& range,
+void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
                      const MatcherConstants& constants, RowTerms& terms);
 
 /// The features of one matcher at one disparity: `values[feature]` points to `width` values, of
 /// which those in matchedColumns(width, range.min + i) are written.
 using FeatureLines = std::array<float*, kFeaturesPerMatcher>;
-void computeFeatures(const CostRow& costs, const RowTerms& terms, int width,
+void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
                      const DisparityRange& range, int i, const MatcherConstants& constants,
                      const FeatureLines& values);
 
@@ -84,7 +85,7 @@ void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* 
 
 /// The codes of what computeFeatures computes, without the way through memory.
 using CodeLines = std::array<std::uint8_t*, kFeaturesPerMatcher>;
-void computeCodes(const CostRow& costs, const RowTerms& terms, int width,
+void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
                   const DisparityRange& range, int i, const MatcherConstants& constants,
                   const MatcherCodeMaps& maps, const CodeLines& codes);
 

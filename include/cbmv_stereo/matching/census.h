@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,24 +15,21 @@ namespace cbmv {
 class CensusMatcher {
  public:
   static constexpr int kWindowPx = 11;
+  static constexpr int kBytes = (kWindowPx * kWindowPx - 1) / 8;  ///< one bit a neighbour
 
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y, in [0, 120].
-  void computeRow(int y, const DisparityRange& range, CostRow& costs) const;
+  void computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs) const;
 
  private:
-  /// One bit a neighbour, 60 a word.
-  struct BitStrings {
-    std::vector<std::uint64_t> upper;
-    std::vector<std::uint64_t> lower;
-  };
-  static void transform(const cv::Mat& padded, BitStrings& bits);
+  std::size_t rowOffset(int y) const { return static_cast<std::size_t>(y) * kBytes * width_; }
+  void transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const;
 
   int width_ = 0;
-  BitStrings left_;
-  BitStrings right_;
+  std::vector<std::uint8_t> left_;  ///< [y][byte][x]
+  std::vector<std::uint8_t> right_;
 };
 
 }  // namespace cbmv

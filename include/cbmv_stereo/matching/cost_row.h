@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "cbmv_stereo/volume/disparity_range.h"
@@ -22,19 +24,25 @@ inline ColumnSpan matchedColumns(int width, int d) {
 
 /// Matching costs of all hypotheses of one image row, laid out [d][x] with x contiguous: for one d,
 /// neighbours of both views are neighbours in memory. Line i stands for d = range.min + i; outside
-/// of matchedColumns(width, d) its values are unspecified.
+/// of matchedColumns(width, d) its values are unspecified. `Cost` is the narrowest type that holds
+/// a matcher's costs.
+template <typename Cost>
 class CostRow {
  public:
   void resize(int width, int disparities) {
     width_ = width;
     costs_.resize(static_cast<std::size_t>(width) * disparities);
   }
-  float* line(int i) { return costs_.data() + static_cast<std::size_t>(i) * width_; }
-  const float* line(int i) const { return costs_.data() + static_cast<std::size_t>(i) * width_; }
+  Cost* line(int i) { return costs_.data() + static_cast<std::size_t>(i) * width_; }
+  const Cost* line(int i) const { return costs_.data() + static_cast<std::size_t>(i) * width_; }
 
  private:
   int width_ = 0;
-  std::vector<float> costs_;
+  std::vector<Cost> costs_;
 };
+
+/// A row of costs of any matcher.
+using CostRowPointer = std::variant<const CostRow<std::uint8_t>*, const CostRow<std::uint16_t>*,
+                                    const CostRow<float>*>;
 
 }  // namespace cbmv

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include <opencv2/core.hpp>
 
@@ -16,14 +17,25 @@ namespace cbmv {
 enum Matcher { kCensus, kNcc, kZeroMeanSad, kSobelSad };
 constexpr int kMatcherCount = 4;
 
-/// The matching costs of a row, one CostRow a matcher.
-using MatcherCosts = std::array<CostRow, kMatcherCount>;
+/// The matching costs of a row by every matcher.
+struct MatcherCosts {
+  CostRow<std::uint8_t> census;
+  CostRow<float> ncc;
+  CostRow<std::uint16_t> zero_mean_sad;
+  CostRow<std::uint16_t> sobel_sad;
+
+  /// In the order of Matcher.
+  std::array<CostRowPointer, kMatcherCount> rows() const {
+    return {&census, &ncc, &zero_mean_sad, &sobel_sad};
+  }
+};
 
 /// All matchers on one pair. `prepare` once a pair, then rows in any order from any thread.
 class MatcherSet {
  public:
   /// Memory for one row at a time; one per thread.
   struct Scratch {
+    NccMatcher::Scratch ncc;
     ZeroMeanSadMatcher::Scratch zero_mean_sad;
     SobelSadMatcher::Scratch sobel_sad;
   };

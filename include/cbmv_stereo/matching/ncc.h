@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -14,17 +15,32 @@ class NccMatcher {
  public:
   static constexpr int kWindowPx = 3;
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage; kept by reference count, not copied.
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    std::vector<float> column_sums;
+  };
+
+  /// Prepares a pair. Both CV_8UC1, extended by padImage.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, CostRow& costs) const;
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                  CostRow<float>& costs) const;
+
+  /// What is known of the windows of one row; pointers to column 0.
+  using Rows = std::array<const float*, kWindowPx>;
+  struct Windows {
+    Rows rows;  ///< the pixels
+    const float* sums;
+    const float* inverse_deviations;
+  };
 
  private:
   struct WindowStatistics {
-    cv::Mat padded;
-    cv::Mat sums;                ///< CV_32SC1: sum of the window
+    cv::Mat padded;              ///< CV_32FC1: the image
+    cv::Mat sums;                ///< CV_32FC1: sum of the window
     cv::Mat inverse_deviations;  ///< CV_32FC1: 1 / sqrt(9 Σ v² − (Σ v)²); 0 without texture
+    Windows row(int y) const;
   };
   static void prepareImage(const cv::Mat& padded, WindowStatistics& statistics);
 

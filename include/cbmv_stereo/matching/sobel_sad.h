@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,7 +26,11 @@ class SobelSadMatcher {
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow& costs) const;
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                  CostRow<std::uint16_t>& costs) const;
+
+  /// The responses in the windows of one row; pointers to column 0.
+  using Rows = std::array<const std::int16_t*, kWindowPx>;
 
  private:
   cv::Mat left_responses_;  ///< CV_16SC1, padded

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,28 +11,42 @@
 namespace cbmv {
 
 /// Zero-mean sum of absolute differences in a 5 × 5 window (Batsos et al. 2018, section 3.1):
-/// Σ |(l − mean l) − (r − mean r)|, in grey levels, in [0, 6 370]. Means are rounded to a quarter
-/// of a grey level, so that the sum is exact in 16-bit integers.
+/// Σ |(l − mean l) − (r − mean r)|, in quarters of a grey level, in [0, 25 480]. Means are rounded
+/// to such a quarter, so that the sum is exact in 16-bit integers.
 class ZeroMeanSadMatcher {
  public:
   static constexpr int kWindowPx = 5;
+  static constexpr int kUnitsPerGrey = 4;
 
   /// Memory for one row at a time; one per thread.
   struct Scratch {
     std::vector<std::int16_t> differences;
   };
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage; kept by reference count, not copied.
+  /// Prepares a pair. Both CV_8UC1, extended by padImage.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow& costs) const;
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
+                  CostRow<std::uint16_t>& costs) const;
+
+  /// What is known of the windows of one row, in quarters of a grey level; pointers to column 0.
+  using Rows = std::array<const std::int16_t*, kWindowPx>;
+  struct Windows {
+    Rows rows;  ///< the pixels
+    const std::int16_t* means;
+  };
 
  private:
-  cv::Mat padded_left_;
-  cv::Mat padded_right_;
-  cv::Mat left_means_;  ///< CV_16SC1, in quarters of a grey level
-  cv::Mat right_means_;
+  struct WindowStatistics {
+    cv::Mat padded;  ///< CV_16SC1: the image
+    cv::Mat means;   ///< CV_16SC1
+    Windows row(int y) const;
+  };
+  static void prepareImage(const cv::Mat& padded, WindowStatistics& statistics);
+
+  WindowStatistics left_;
+  WindowStatistics right_;
 };
 
 }  // namespace cbmv
