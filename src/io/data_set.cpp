@@ -48,6 +48,15 @@ const Kind& findKind(const std::string& name, const std::string& data_set) {
               all);
 }
 
+/// "data set A, B", for messages.
+std::string namesOf(const std::vector<DataSet>& data_sets) {
+  std::string names;
+  for (const DataSet& data_set : data_sets) {
+    names += (names.empty() ? "data set " : ", ") + data_set.name();
+  }
+  return names;
+}
+
 }  // namespace
 
 DataSet DataSet::open(const std::string& kind_and_folder) {
@@ -89,7 +98,7 @@ std::vector<SceneReference> chooseScenes(const std::vector<DataSet>& data_sets,
     for (const std::string& name : *names) {
       if (std::none_of(data_sets.begin(), data_sets.end(),
                        [&](const DataSet& set) { return contains(set.scenes(), name); })) {
-        throw Error("scene " + name + ": there is no such scene in the data set");
+        throw Error(namesOf(data_sets) + ": has no scene " + name);
       }
     }
   }
@@ -103,7 +112,7 @@ std::vector<SceneReference> chooseScenes(const std::vector<DataSet>& data_sets,
     }
   }
   if (chosen.empty()) {
-    throw Error("no scene is left: all of the data set's scenes are excluded");
+    throw Error(namesOf(data_sets) + ": no scene is left, all are excluded");
   }
   return chosen;
 }

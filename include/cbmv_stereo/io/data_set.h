@@ -34,6 +34,7 @@ class DataSet {
   /// or folder, no scene in it, or the list is malformed.
   static DataSet open(const std::string& kind_and_folder);
 
+  const std::string& name() const { return name_; }  ///< as given to open, for messages
   const std::string& kind() const { return kind_; }
   const std::string& title() const { return title_; }                 ///< for people, without paths
   const std::vector<std::string>& scenes() const { return scenes_; }  ///< names, sorted
@@ -50,7 +51,7 @@ class DataSet {
   DataSet() = default;
   std::string kind_;
   std::string title_;
-  std::string name_;  ///< as given to open, for messages
+  std::string name_;
   std::vector<std::string> scenes_;
   std::shared_ptr<const SceneReader> reader_;
 };
