@@ -12,7 +12,8 @@ namespace cbmv {
 /// are never negative, and with levels that compare signed bytes, the other way round.
 struct PackedTree {
   int depth = 0;  ///< at least kLeastDepth
-  std::array<std::uint32_t, Forest::kMaxDepth> lines{};  ///< feature · kBlock: where its codes begin
+  std::array<std::uint32_t, Forest::kMaxDepth>
+      lines{};  ///< feature · kBlock: where its codes begin
   std::array<std::int8_t, Forest::kMaxDepth> thresholds{};  ///< minus 128
   /// Indexed by the answers to "code < threshold", level k in bit k; minus the lowest leaf.
   std::array<std::uint8_t, 1 << Forest::kMaxDepth> leaves{};
