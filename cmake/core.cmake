@@ -1,10 +1,15 @@
 # The ROS-free library `cbmv`: every folder of src but ros and tools.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
+find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
+# AVX-512 with byte permutations has to be asked for. Highway avoids its emulated vectors, for machines
+# without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
+# products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
+set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
 find_package(TBB QUIET)
 if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
   find_path(TBB_INCLUDE_DIR tbb/parallel_for.h REQUIRED)
@@ -26,7 +31,9 @@ add_library(cbmv SHARED ${CBMV_SOURCES})
 target_include_directories(cbmv PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_include_directories(cbmv SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
-target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
+# The vector code includes itself once per instruction set, by its path below src.
+target_include_directories(cbmv PRIVATE ${PROJECT_SOURCE_DIR}/src)
+target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}" ${CBMV_HIGHWAY_OPTIONS})
 target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
-  PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
+  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
