@@ -213,7 +213,7 @@ class StereoMatcher::Impl {
                  const PreparedImage& other, StageTimes& times) {
     const Stopwatch watch(times.aggregation_ms);
     for (int i = 0; i < iterations; ++i) {
-      aggregateCosts(*optimized_, reference.arms, other.arms, view, options_.range, *spare_);
+      aggregateCosts(*optimized_, sgmCostBound(options_.sgm), reference.arms, other.arms, view, options_.range, *spare_);
       std::swap(optimized_, spare_);
     }
   }
