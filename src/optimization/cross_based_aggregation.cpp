@@ -430,10 +430,11 @@ void aggregateCosts(const OptimizedVolume& costs, int max_cost, const cv::Mat& r
   aggregate(costs, max_cost, reference_arms, other_arms, view, range, aggregated);
 }
 
-void aggregateCosts(const MatchingVolume& costs, const cv::Mat& reference_arms,
+void aggregateCosts(const MatchingVolume& costs, int max_cost, const cv::Mat& reference_arms,
                     const cv::Mat& other_arms, View view, const DisparityRange& range,
                     OptimizedVolume& aggregated) {
-  aggregate(costs, 255, reference_arms, other_arms, view, range, aggregated);
+  aggregate(costs, std::min<int>(max_cost, kOutsideCost), reference_arms, other_arms, view, range,
+            aggregated);
 }
 
 }  // namespace cbmv

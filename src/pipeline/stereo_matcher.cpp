@@ -196,26 +196,45 @@ class StereoMatcher::Impl {
   void optimize(View view, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
-    widen(volume_, *optimized_);
+    is_matching_cost_ = true;
     aggregate(options_.aggregation.iterations_before, view, reference, other, times);
     const EdgeImages edges{reference.grey, other.grey,
                            options_.sgm.edge_threshold * reference.deviation,
                            options_.sgm.edge_threshold * other.deviation};
     for (int i = 0; i < options_.sgm.iterations; ++i) {
       const Stopwatch watch(times.sgm_ms);
-      semiGlobalMatching(*optimized_, edges, view, options_.range, options_.sgm, *spare_);
-      std::swap(optimized_, spare_);
+      apply([&](const auto& costs, OptimizedVolume& mean) {
+        semiGlobalMatching(costs, edges, view, options_.range, options_.sgm, mean);
+      });
     }
     aggregate(options_.aggregation.iterations_after, view, reference, other, times);
+    if (is_matching_cost_) {
+      widen(volume_, *optimized_);
+    }
   }
 
   void aggregate(int iterations, View view, const PreparedImage& reference,
                  const PreparedImage& other, StageTimes& times) {
     const Stopwatch watch(times.aggregation_ms);
+    const int max_cost = sgmCostBound(options_.sgm);
     for (int i = 0; i < iterations; ++i) {
-      aggregateCosts(*optimized_, sgmCostBound(options_.sgm), reference.arms, other.arms, view, options_.range, *spare_);
-      std::swap(optimized_, spare_);
+      apply([&](const auto& costs, OptimizedVolume& aggregated) {
+        aggregateCosts(costs, max_cost, reference.arms, other.arms, view, options_.range,
+                       aggregated);
+      });
     }
+  }
+
+  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs.
+  template <typename Stage>
+  void apply(const Stage& stage) {
+    if (is_matching_cost_) {
+      stage(volume_, *spare_);
+    } else {
+      stage(*optimized_, *spare_);
+    }
+    is_matching_cost_ = false;
+    std::swap(optimized_, spare_);
   }
 
   /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
@@ -261,6 +280,7 @@ class StereoMatcher::Impl {
   OptimizedVolume second_;
   OptimizedVolume* optimized_ = &first_;
   OptimizedVolume* spare_ = &second_;
+  bool is_matching_cost_ = true;  // the costs are still those of volume_
 };
 
 StereoMatcher::StereoMatcher(std::shared_ptr<const Forest> forest, const StereoOptions& options)

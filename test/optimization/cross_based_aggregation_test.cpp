@@ -75,7 +75,7 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, int max_le
     if (max_cost <= 255) {
       MatchingVolume bytes(shape.height, shape.width, shape.range.count);
       std::copy_n(costs.row(0), costs.size(), bytes.row(0));
-      aggregateCosts(bytes, arms.reference, arms.other, view, shape.range, aggregated);
+      aggregateCosts(bytes, max_cost, arms.reference, arms.other, view, shape.range, aggregated);
       expect_means(aggregated);
     }
   });

@@ -27,7 +27,7 @@ void aggregateCosts(const OptimizedVolume& costs, int max_cost, const cv::Mat& r
                     OptimizedVolume& aggregated);
 
 /// The same on matching costs as they come.
-void aggregateCosts(const MatchingVolume& costs, const cv::Mat& reference_arms,
+void aggregateCosts(const MatchingVolume& costs, int max_cost, const cv::Mat& reference_arms,
                     const cv::Mat& other_arms, View view, const DisparityRange& range,
                     OptimizedVolume& aggregated);
 
