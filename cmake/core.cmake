@@ -3,6 +3,7 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
 find_package(nlohmann_json REQUIRED)
+find_package(NLopt REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
@@ -20,7 +21,7 @@ if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
 endif()
 
 set(CBMV_STAGES rectification matching confidence forest volume optimization refinement pipeline
-    io evaluation training)
+    io evaluation training tuning)
 set(CBMV_SOURCES)
 foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
@@ -36,4 +37,4 @@ target_include_directories(cbmv PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}" ${CBMV_HIGHWAY_OPTIONS})
 target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
-  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
+  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json NLopt::nlopt yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)

@@ -1,13 +1,12 @@
 #include "cbmv_stereo/evaluation/disparity_source.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <utility>
 
 #include "../io/scene_files.h"
 
-#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -23,11 +22,7 @@ SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
   StereoOptions options = matcher.options();
   options.range = {0, scene.calibration.disparities};
   matcher.setOptions(options);
-  const StereoResult result = matcher.match(scene.left, scene.right);
-  SceneMaps maps{result.disparity, result.confidence, result.times.total_ms / 1000.0};
-  maps.disparity.setTo(std::numeric_limits<float>::infinity(),
-                       maps.disparity == options.range.invalid());
-  return maps;
+  return toSceneMaps(matcher.match(scene.left, scene.right));
 }
 
 SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
@@ -46,16 +41,6 @@ SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
   return maps;
 }
 
-std::size_t foldOf(const std::string& scene) {
-  const std::vector<std::vector<std::string>> folds = middleburyFolds();
-  for (std::size_t fold = 0; fold < folds.size(); ++fold) {
-    if (std::count(folds[fold].begin(), folds[fold].end(), scene) > 0) {
-      return fold;
-    }
-  }
-  throw Error("scene " + scene + ": is in none of the three folds of Middlebury v3; exclude it");
-}
-
 /// Trains the forest of a fold when the first of its scenes comes.
 class FoldMatcher {
  public:
@@ -69,27 +54,14 @@ class FoldMatcher {
   SceneMaps match(const StereoScene& scene) {
     const std::size_t fold = foldOf(scene.name);
     if (matcher_ == nullptr || fold != fold_) {
-      matcher_ = std::make_unique<StereoMatcher>(std::make_shared<Forest>(train(fold)), options_);
+      matcher_ = std::make_unique<StereoMatcher>(
+          std::make_shared<Forest>(trainWithoutFold(fold, scenes_, training_, report_)), options_);
       fold_ = fold;
     }
     return matchScene(*matcher_, scene);
   }
 
  private:
-  Forest train(std::size_t fold) const {
-    report_("training the forest of fold " + std::to_string(fold + 1));
-    std::vector<SceneReference> others;
-    for (const SceneReference& scene : scenes_) {
-      if (foldOf(scene.scene) != fold) {
-        others.push_back(scene);
-      }
-    }
-    if (others.empty()) {
-      throw Error("fold " + std::to_string(fold + 1) + ": no scene of another fold to train on");
-    }
-    return trainOnScenes(others, training_, report_);
-  }
-
   std::vector<SceneReference> scenes_;
   TrainingOptions training_;
   StereoOptions options_;
@@ -99,6 +71,13 @@ class FoldMatcher {
 };
 
 }  // namespace
+
+SceneMaps toSceneMaps(const StereoResult& result) {
+  SceneMaps maps{result.disparity.clone(), result.confidence, result.times.total_ms / 1000.0};
+  maps.disparity.setTo(std::numeric_limits<float>::infinity(),
+                       maps.disparity == result.range.invalid());
+  return maps;
+}
 
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options) {
   const auto matcher = std::make_shared<StereoMatcher>(std::move(forest), options);
@@ -116,25 +95,6 @@ void writeMaps(const std::string& folder, const StereoScene& scene, const SceneM
   if (!maps.confidence.empty()) {
     writePfm(base + "_confidence.pfm", maps.confidence);
   }
-}
-
-std::vector<std::vector<std::string>> middleburyFolds() {
-  return {{"PlaytableP", "Recycle", "Shelves", "Teddy", "Vintage"},
-          {"Adirondack", "ArtL", "Jadeplant", "Motorcycle", "MotorcycleE"},
-          {"Piano", "PianoL", "Pipes", "Playroom", "Playtable"}};
-}
-
-std::vector<std::string> orderByFold(const std::vector<std::string>& scenes) {
-  std::vector<std::pair<std::size_t, std::string>> folded;
-  for (const std::string& scene : scenes) {
-    folded.emplace_back(foldOf(scene), scene);
-  }
-  std::sort(folded.begin(), folded.end());
-  std::vector<std::string> ordered;
-  for (const auto& entry : folded) {
-    ordered.push_back(entry.second);
-  }
-  return ordered;
 }
 
 DisparitySource foldSource(const std::vector<SceneReference>& scenes,

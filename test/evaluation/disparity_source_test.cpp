@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -113,18 +112,6 @@ TEST(FileSource, NamesTheFileThatIsWrong) {
   writePfm(folder.file("Scene.pfm"), scene.truth);
   writePfm(folder.file("Scene_confidence.pfm"), cv::Mat::zeros(3, 4, CV_32FC1));
   EXPECT_TRUE(mentions(error("Scene_confidence.pfm"), {"4x3", "64x32"}));
-}
-
-TEST(Folds, HoldEachSceneOnce) {
-  std::set<std::string> scenes;
-  for (const std::vector<std::string>& fold : middleburyFolds()) {
-    EXPECT_EQ(fold.size(), 5U);
-    scenes.insert(fold.begin(), fold.end());
-  }
-  EXPECT_EQ(scenes.size(), 15U);
-  EXPECT_EQ(orderByFold({"Adirondack", "Piano", "Teddy", "Recycle", "ArtL"}),
-            (std::vector<std::string>{"Recycle", "Teddy", "Adirondack", "ArtL", "Piano"}));
-  EXPECT_TRUE(mentions(errorText([] { orderByFold({"Teddy", "Backpack"}); }), {"Backpack"}));
 }
 
 /// A data set of rendered scenes under names of Middlebury.

@@ -9,12 +9,16 @@
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/pipeline/stereo_result.h"
 #include "cbmv_stereo/training/forest_training.h"
 
 namespace cbmv {
 
 /// Where the maps of a scene come from. Throws when the scene has none; works on scene after scene.
 using DisparitySource = std::function<SceneMaps(const StereoScene&)>;
+
+/// What the matcher found as it is scored: infinity where there is no disparity.
+SceneMaps toSceneMaps(const StereoResult& result);
 
 /// Matches each scene with this forest over the scene's own range. Throws Error at once when the
 /// options are inconsistent.
@@ -27,13 +31,6 @@ DisparitySource fileSource(const std::string& folder);
 /// Writes SCENE.pfm (no disparity: infinity) and SCENE_confidence.pfm, so that fileSource gives the
 /// same maps, except for the time.
 void writeMaps(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
-
-/// The three folds of the paper's cross-validation on Middlebury v3 (Batsos et al. 2018, section
-/// 4).
-std::vector<std::vector<std::string>> middleburyFolds();
-
-/// These scenes, fold after fold. Throws Error that names a scene of no fold.
-std::vector<std::string> orderByFold(const std::vector<std::string>& scenes);
 
 /// Matches each scene with a forest trained on those of `scenes` that lie in other folds. Keeps the
 /// forest of the fold asked last: ask in the order of orderByFold. `report` is trainOnScenes's.
