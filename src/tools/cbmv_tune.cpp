@@ -96,7 +96,10 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
                  "So many of them all over the space, before the search around the best")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--rows", request.rows, "Use the middle rows of each scene only; 0: all")
+  app.add_option(
+         "--rows", request.rows,
+         "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
+         "the whole image; 0: all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_flag(
