@@ -50,7 +50,7 @@ void requireFolderOf(const std::string& path) {
   }
 }
 
-void tune(Arguments arguments) {
+void tune(Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   if (!arguments.start.empty()) {
     cbmv::readPreset(arguments.start, request.start);
