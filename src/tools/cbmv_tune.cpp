@@ -50,7 +50,7 @@ void requireFolderOf(const std::string& path) {
   }
 }
 
-void tune(Arguments arguments) {
+void tune(Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   if (!arguments.start.empty()) {
     cbmv::readPreset(arguments.start, request.start);
@@ -96,7 +96,10 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
                  "So many of them all over the space, before the search around the best")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--rows", request.rows, "Use the middle rows of each scene only; 0: all")
+  app.add_option(
+         "--rows", request.rows,
+         "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
+         "the whole image; 0: all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_flag(

@@ -21,7 +21,8 @@ struct TuningRequest {
   StereoOptions start;  ///< its range is not used; threads are
   std::string start_name = "the defaults";
   SearchSettings search;
-  int rows = 0;                 ///< of each scene, from its middle; 0: all
+  /// Of each scene, from its middle; 0: all. A strip favours other parameters than the whole image.
+  int rows = 0;
   bool cross_validate = false;  ///< three more searches; of Middlebury v3 only
 };
 
