@@ -171,7 +171,7 @@ void addRefinementParameters(ParameterTable& table) {
       [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
       "Width of the bilateral filter; 0 switches it off");
   table.add(
-      "bilateral_threshold", "px", 0, 16,
+      "bilateral_threshold", "px", 0.01, 16,
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
       "Disparities that differ by this from the centre's do not count in the filter");
 }
