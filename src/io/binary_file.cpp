@@ -23,6 +23,14 @@ std::ifstream openForReading(const std::string& path) {
   return in;
 }
 
+void makeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    throw Error("Cannot make the folder " + path + ": " + error.message() + ".");
+  }
+}
+
 void writeFile(const std::string& path, const std::string& content) {
   std::ofstream out(path, std::ios::binary);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));

@@ -10,6 +10,10 @@ namespace cbmv {
 /// Opens a regular file for reading, numbers in the "C" locale. Throws Error naming it otherwise.
 std::ifstream openForReading(const std::string& path);
 
+/// Makes the folder and those it lies in, where they are not there. Throws Error naming it when
+/// that fails.
+void makeFolder(const std::string& path);
+
 /// Replaces the file's content. Throws Error naming the file when it cannot be written.
 void writeFile(const std::string& path, const std::string& content);
 

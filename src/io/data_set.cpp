@@ -15,7 +15,7 @@ struct Kind {
   const char* name;
   const char* title;
   const char* layout;  ///< what a folder without a scene should hold
-  std::unique_ptr<SceneReader> (*make_reader)(const std::string&);
+  std::unique_ptr<SceneReader> (*make_reader)(const std::string&, Truth);
 };
 
 constexpr std::array<Kind, 6> kKinds = {{
@@ -59,7 +59,7 @@ std::string namesOf(const std::vector<DataSet>& data_sets) {
 
 }  // namespace
 
-DataSet DataSet::open(const std::string& kind_and_folder) {
+DataSet DataSet::open(const std::string& kind_and_folder, Truth truth) {
   const std::size_t colon = kind_and_folder.find(':');
   const Kind& kind = findKind(kind_and_folder.substr(0, colon), kind_and_folder);
   const std::string path = colon == std::string::npos ? "" : kind_and_folder.substr(colon + 1);
@@ -68,12 +68,13 @@ DataSet DataSet::open(const std::string& kind_and_folder) {
   }
   DataSet data_set;
   data_set.kind_ = kind.name;
+  data_set.folder_ = path;
   data_set.title_ = kind.title;
   if (data_set.kind_ == "list") {
     data_set.title_ += " " + std::filesystem::path(path).stem().string();
   }
   data_set.name_ = kind_and_folder;
-  data_set.reader_ = kind.make_reader(path);
+  data_set.reader_ = kind.make_reader(path, truth);
   data_set.scenes_ = data_set.reader_->scenes();
   if (data_set.scenes_.empty()) {
     throw Error("data set " + kind_and_folder + ": has no scene, it must hold " + kind.layout);

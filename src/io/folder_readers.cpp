@@ -49,20 +49,22 @@ StereoCalibration searchRange(const cv::Size& size, int disparities) {
 
 class MiddleburyReader : public SceneReader {
  public:
-  MiddleburyReader(fs::path folder, int default_disparities)
-      : folder_(std::move(folder)), default_disparities_(default_disparities) {}
+  MiddleburyReader(fs::path folder, int default_disparities, Truth truth)
+      : folder_(std::move(folder)), default_disparities_(default_disparities), truth_(truth) {}
 
   std::vector<std::string> scenes() const override {
     return listMiddleburyScenes(folder_.string());
   }
 
   StereoScene read(const std::string& scene) const override {
-    return readMiddleburyScene((folder_ / scene).string(), default_disparities_);
+    return readMiddleburyScene((folder_ / scene).string(), default_disparities_,
+                               truth_ == Truth::kRequired);
   }
 
  private:
   fs::path folder_;
   int default_disparities_;
+  Truth truth_;
 };
 
 class Middlebury2005Reader : public SceneReader {
@@ -106,14 +108,15 @@ struct KittiLayout {
 
 class KittiReader : public SceneReader {
  public:
-  KittiReader(fs::path folder, const KittiLayout& layout)
-      : folder_(std::move(folder)), layout_(layout) {}
+  KittiReader(fs::path folder, const KittiLayout& layout, Truth truth)
+      : folder_(std::move(folder)),
+        layout_(layout),
+        has_truth_(truth == Truth::kRequired || fs::exists(folder_ / layout.visible_truth)) {}
 
   std::vector<std::string> scenes() const override {
-    std::vector<std::string> names =
-        listEntries(folder_ / layout_.visible_truth, [](const fs::path& entry) {
-          return entry.extension() == ".png" && entry.filename().string().front() != '.';
-        });
+    std::vector<std::string> names = has_truth_
+                                         ? listEntries(folder_ / layout_.visible_truth, isImage)
+                                         : listEntries(folder_ / layout_.left, isTestImage);
     for (std::string& name : names) {
       name = fs::path(name).stem().string();
     }
@@ -126,6 +129,26 @@ class KittiReader : public SceneReader {
     StereoScene scene;
     scene.name = name;
     readPair(left_file, folder_ / layout_.right / file, scene);
+    if (has_truth_) {
+      readTruth(left_file, scene);
+    }
+    scene.calibration = searchRange(scene.left.size(), kKittiDisparities);
+    return scene;
+  }
+
+ private:
+  static bool isImage(const fs::path& file) {
+    return file.extension() == ".png" && file.filename().string().front() != '.';
+  }
+
+  /// Frame 10 of each pair of frames.
+  static bool isTestImage(const fs::path& file) {
+    const std::string name = file.stem().string();
+    return isImage(file) && name.size() > 3 && name.compare(name.size() - 3, 3, "_10") == 0;
+  }
+
+  void readTruth(const fs::path& left_file, StereoScene& scene) const {
+    const fs::path file = left_file.filename();
     scene.truth = readMatchingDisparity(folder_ / layout_.visible_truth / file, kKittiDivisor,
                                         left_file, scene.left);
     scene.visible = scene.truth == scene.truth;  // NaN differs from itself
@@ -134,37 +157,35 @@ class KittiReader : public SceneReader {
       const cv::Mat whole = readMatchingDisparity(whole_file, kKittiDivisor, left_file, scene.left);
       whole.copyTo(scene.truth, scene.visible == 0);
     }
-    scene.calibration = searchRange(scene.left.size(), kKittiDisparities);
-    return scene;
   }
 
- private:
   fs::path folder_;
   KittiLayout layout_;
+  bool has_truth_;
 };
 
 }  // namespace
 
-std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder) {
-  return std::make_unique<MiddleburyReader>(folder, 0);
+std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder, Truth truth) {
+  return std::make_unique<MiddleburyReader>(folder, 0, truth);
 }
 
-std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder) {
-  return std::make_unique<MiddleburyReader>(folder, kEth3dDisparities);
+std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder, Truth truth) {
+  return std::make_unique<MiddleburyReader>(folder, kEth3dDisparities, truth);
 }
 
-std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder) {
+std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder, Truth /*truth*/) {
   return std::make_unique<Middlebury2005Reader>(folder);
 }
 
-std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder) {
-  return std::make_unique<KittiReader>(folder,
-                                       KittiLayout{"image_0", "image_1", "disp_noc", "disp_occ"});
+std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder, Truth truth) {
+  return std::make_unique<KittiReader>(
+      folder, KittiLayout{"image_0", "image_1", "disp_noc", "disp_occ"}, truth);
 }
 
-std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder) {
+std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder, Truth truth) {
   return std::make_unique<KittiReader>(
-      folder, KittiLayout{"image_2", "image_3", "disp_noc_0", "disp_occ_0"});
+      folder, KittiLayout{"image_2", "image_3", "disp_noc_0", "disp_occ_0"}, truth);
 }
 
 }  // namespace cbmv

@@ -117,7 +117,7 @@ class ListReader : public SceneReader {
 
 }  // namespace
 
-std::unique_ptr<SceneReader> makeListReader(const std::string& file) {
+std::unique_ptr<SceneReader> makeListReader(const std::string& file, Truth /*truth*/) {
   return std::make_unique<ListReader>(file);
 }
 

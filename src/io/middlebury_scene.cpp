@@ -23,7 +23,8 @@ cv::Mat readVisible(const fs::path& file, const cv::Mat& truth, const fs::path& 
 
 }  // namespace
 
-StereoScene readMiddleburyScene(const std::string& folder, int default_disparities) {
+StereoScene readMiddleburyScene(const std::string& folder, int default_disparities,
+                                bool truth_required) {
   const fs::path base(folder);
   const fs::path left_file = base / "im0.png";
   const fs::path truth_file = base / "disp0GT.pfm";
@@ -31,8 +32,10 @@ StereoScene readMiddleburyScene(const std::string& folder, int default_dispariti
   StereoScene scene;
   scene.name = fs::absolute(base / ".").lexically_normal().parent_path().filename().string();
   readPair(left_file, base / "im1.png", scene);
-  scene.truth = readMatchingDisparity(truth_file, 1.0, left_file, scene.left);
-  scene.visible = readVisible(base / "mask0nocc.png", scene.truth, truth_file);
+  if (truth_required || fs::exists(truth_file)) {
+    scene.truth = readMatchingDisparity(truth_file, 1.0, left_file, scene.left);
+    scene.visible = readVisible(base / "mask0nocc.png", scene.truth, truth_file);
+  }
   scene.calibration = readMiddleburyCalibration(calibration_file.string(), default_disparities);
   requireSameSize(calibration_file, {scene.calibration.width, scene.calibration.height}, left_file,
                   scene.left.size());

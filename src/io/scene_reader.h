@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/io/stereo_scene.h"
 
 namespace cbmv {
@@ -16,12 +17,12 @@ class SceneReader {
   virtual StereoScene read(const std::string& scene) const = 0;
 };
 
-// Layouts: data_set.h.
-std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder);
-std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder);
-std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder);
-std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder);
-std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder);
-std::unique_ptr<SceneReader> makeListReader(const std::string& file);
+// Layouts and what the truth is: data_set.h.
+std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeListReader(const std::string& file, Truth truth);
 
 }  // namespace cbmv

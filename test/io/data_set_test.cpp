@@ -63,8 +63,9 @@ class DataSetTest : public testing::Test {
     writeImage(place(images + truth + "/" + scene + ".png"), noc_);
   }
 
-  DataSet open(const std::string& kind, const std::string& folder) const {
-    return DataSet::open(kind + ":" + folder_.file(folder));
+  DataSet open(const std::string& kind, const std::string& folder,
+               Truth truth = Truth::kRequired) const {
+    return DataSet::open(kind + ":" + folder_.file(folder), truth);
   }
 
   /// The sentence with which reading `scene` fails; it must name `file`.
@@ -285,6 +286,34 @@ TEST_F(DataSetTest, AListThatWantsMoreDisparitiesThanColumnsIsNamed) {
   folder_.write("pairs.txt", "l.png r.png d.png 256 7\n");
   EXPECT_TRUE(
       mentions(readError(open("list", "pairs.txt"), "l", "pairs.txt, line 1"), {"ndisp is 7"}));
+}
+
+TEST_F(DataSetTest, MayLackTheTruthWhereItIsOptional) {
+  writeMiddleburyScene("v3/Train");
+  writeMiddleburyScene("v3/Test");
+  fs::remove(folder_.file("v3/Test/disp0GT.pfm"));
+  for (const char* kind : {"middlebury_v3", "eth3d"}) {
+    const DataSet data_set = open(kind, "v3", Truth::kOptional);
+    EXPECT_EQ(data_set.folder(), folder_.file("v3"));
+    const StereoScene test = data_set.read("Test");
+    EXPECT_TRUE(test.truth.empty() && test.visible.empty());
+    EXPECT_EQ(test.calibration.disparities, 4);
+    EXPECT_FALSE(data_set.read("Train").truth.empty());
+    EXPECT_TRUE(mentions(readError(open(kind, "v3"), "Test", "v3/Test/disp0GT.pfm"), {"no such"}));
+  }
+}
+
+TEST_F(DataSetTest, TestScenesOfKittiAreTheirLeftImagesOfFrame10) {
+  writePair("testing/image_2/000000_10.png", "testing/image_3/000000_10.png");
+  writePair("testing/image_2/000000_11.png", "testing/image_3/000000_11.png");
+  const DataSet data_set = open("kitti2015", "testing", Truth::kOptional);
+  EXPECT_EQ(data_set.scenes(), Names{"000000_10"});
+  EXPECT_TRUE(data_set.read("000000_10").truth.empty());
+  EXPECT_TRUE(mentions(errorText([&] { open("kitti2015", "testing"); }), {"disp_noc_0"}));
+  EXPECT_TRUE(mentions(errorText([&] { open("kitti2012", "testing", Truth::kOptional); }),
+                       {"testing/image_0", "no such folder"}));
+  writeKittiScene("a", "2012/", "image_0", "image_1", "disp_noc");
+  EXPECT_EQ(open("kitti2012", "2012", Truth::kOptional).scenes(), Names{"a"});
 }
 
 TEST_F(DataSetTest, ChoosesScenes) {

@@ -10,6 +10,9 @@ namespace cbmv {
 
 class SceneReader;
 
+/// Whether the scenes of a data set must have true disparities.
+enum class Truth { kRequired, kOptional };
+
 /// Pairs with ground truth in one of these layouts. A scene's `truth` holds all that is known,
 /// `visible` the part of it that both cameras see.
 ///
@@ -26,16 +29,21 @@ class SceneReader;
 ///   divisor. Visible: visibleInBoth(truth). Without ndisp, just what the truth needs. A scene is
 ///   called as the left file without extension, with '_' for '/'.
 ///
+/// With Truth::kOptional the test scenes of the benchmarks can be read too: Middlebury v3 and ETH3D
+/// without disp0GT.pfm, and KITTI without a folder of the visible truth, where the scenes are the
+/// NNNNNN_10.png of the left images. The other kinds always need the truth.
+///
 /// Ranges that are the same for a whole kind are cut to the width of the image. Copies share what
 /// they hold; reading from several threads is safe.
 class DataSet {
  public:
   /// `kind_and_folder` is KIND:DIR, or list:FILE. Throws Error naming it when there is no such kind
   /// or folder, no scene in it, or the list is malformed.
-  static DataSet open(const std::string& kind_and_folder);
+  static DataSet open(const std::string& kind_and_folder, Truth truth = Truth::kRequired);
 
   const std::string& name() const { return name_; }  ///< as given to open, for messages
   const std::string& kind() const { return kind_; }
+  const std::string& folder() const { return folder_; }               ///< or the list
   const std::string& title() const { return title_; }                 ///< for people, without paths
   const std::vector<std::string>& scenes() const { return scenes_; }  ///< names, sorted
 
@@ -50,6 +58,7 @@ class DataSet {
  private:
   DataSet() = default;
   std::string kind_;
+  std::string folder_;
   std::string title_;
   std::string name_;
   std::vector<std::string> scenes_;

@@ -8,7 +8,8 @@
 
 namespace cbmv {
 
-/// A rectified pair with the true disparities of the left image. All images have one size.
+/// A rectified pair with the true disparities of the left image, or without: `truth` and `visible`
+/// are then empty. All other images have one size.
 struct StereoScene {
   std::string name;
   cv::Mat left;        ///< CV_8UC1
