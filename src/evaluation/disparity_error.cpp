@@ -72,10 +72,17 @@ double quantile(std::vector<float>& values, double share) {
   return *position;
 }
 
+/// Index in DisparityError::histogram.
+std::size_t binOf(float error) {
+  const double end = std::ceil(static_cast<double>(error) / kErrorBinPx);
+  return end > kErrorBins ? kErrorBins : static_cast<std::size_t>(std::max(end, 1.0)) - 1;
+}
+
 /// What the counted pixels add up to.
 struct ErrorSums {
   static constexpr std::array<float, 5> kThresholds = {0.5F, 1.0F, 2.0F, 3.0F, 4.0F};  // px
   std::array<long, 5> bad = {};
+  std::array<long, kErrorBins + 1> bins = {};
   long outliers = 0;
   long pixels = 0;
   std::vector<float> errors;  ///< where there is a disparity, px
@@ -90,6 +97,7 @@ struct ErrorSums {
     }
     const bool outlier = error > kOutlierPx && error > kOutlierShare * std::abs(truth);
     outliers += !valid || outlier ? 1 : 0;
+    ++bins[valid ? binOf(error) : kErrorBins];
     ++pixels;
     if (valid) {
       errors.push_back(error);
@@ -136,6 +144,9 @@ DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
   error.bad_3 = percent(sums.bad[3], sums.pixels);
   error.bad_4 = percent(sums.bad[4], sums.pixels);
   error.d1 = percent(sums.outliers, sums.pixels);
+  for (std::size_t k = 0; k <= kErrorBins; ++k) {
+    error.histogram[k] = percent(sums.bins[k], sums.pixels);
+  }
   error.density = percent(sums.dense(), sums.pixels);
   error.pixels = sums.pixels;
   if (sums.dense() > 0) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "../io/binary_file.h"
 #include "../io/scene_files.h"
 
 #include "cbmv_stereo/evaluation/folds.h"
@@ -89,7 +90,7 @@ DisparitySource fileSource(const std::string& folder) {
 }
 
 void writeMaps(const std::string& folder, const StereoScene& scene, const SceneMaps& maps) {
-  fs::create_directories(folder);
+  makeFolder(folder);
   const std::string base = (fs::path(folder) / scene.name).string();
   writePfm(base + ".pfm", maps.disparity);
   if (!maps.confidence.empty()) {

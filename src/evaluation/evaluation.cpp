@@ -8,36 +8,44 @@
 namespace cbmv {
 namespace {
 
-struct ScoredScene {
+struct MatchedScene {
   StereoScene scene;
   SceneMaps maps;
-  SceneScore score;
+  std::optional<SceneScore> score;  ///< nothing: no ground truth
 };
 
 /// Nothing when the scene failed.
-std::optional<ScoredScene> tryScene(const DataSet& data_set, const std::string& name,
-                                    const DisparitySource& source, const EvaluationEvents& events) {
+std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string& name,
+                                     const DisparitySource& source,
+                                     const EvaluationEvents& events) {
   try {
-    ScoredScene scored;
-    scored.scene = data_set.read(name);
-    scored.maps = source(scored.scene);
-    scored.score = scoreScene(scored.scene, scored.maps);
-    scored.score.weight = data_set.weight(name);
-    return scored;
+    MatchedScene matched;
+    matched.scene = data_set.read(name);
+    matched.maps = source(matched.scene);
+    if (!matched.scene.truth.empty()) {
+      matched.score = scoreScene(matched.scene, matched.maps);
+      matched.score->weight = data_set.weight(name);
+    }
+    return matched;
   } catch (const std::exception& error) {
     events.failure("scene " + name + " is left out: " + error.what());
     return std::nullopt;
   }
 }
 
-std::string summary(const SceneScore& score) {
+std::string summary(const MatchedScene& matched) {
   constexpr std::size_t kBad1 = 1;  // in kMetrics
   std::ostringstream line;
   line.precision(2);
-  line << std::fixed << score.scene << ": bad 1 " << score.noc[kBad1] << " % of the non-occluded, "
-       << score.all[kBad1] << " % of all pixels";
-  if (!std::isnan(score.seconds)) {
-    line << ", " << score.seconds << " s";
+  line << std::fixed << matched.scene.name << ": ";
+  if (matched.score) {
+    line << "bad 1 " << matched.score->noc[kBad1] << " % of the non-occluded, "
+         << matched.score->all[kBad1] << " % of all pixels";
+  } else {
+    line << "matched, not scored as it has no ground truth";
+  }
+  if (!std::isnan(matched.maps.seconds)) {
+    line << ", " << matched.maps.seconds << " s";
   }
   return line.str();
 }
@@ -49,19 +57,23 @@ int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scen
                    EvaluationReport& report) {
   int failed = 0;
   for (const std::string& name : scenes) {
-    if (report.find(name) != nullptr) {
-      events.progress(name + ": scored earlier");
+    if (report.has(name)) {
+      events.progress(name + ": done earlier");
       continue;
     }
-    const std::optional<ScoredScene> scored = tryScene(data_set, name, source, events);
-    if (!scored) {
+    const std::optional<MatchedScene> matched = tryScene(data_set, name, source, events);
+    if (!matched) {
       ++failed;
       continue;
     }
-    report.insert(scored->score);
-    events.maps(scored->scene, scored->maps);
+    events.maps(matched->scene, matched->maps);
+    if (matched->score) {
+      report.insert(*matched->score);
+    } else {
+      report.unscored.insert(name);
+    }
     events.scored(report);
-    events.progress(summary(scored->score));
+    events.progress(summary(*matched));
   }
   return failed;
 }
@@ -76,9 +88,11 @@ int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
       SceneScore score = *found;
       score.weight = data_set.weight(name);
       report.insert(score);
+    } else if (earlier.has(name)) {
+      report.unscored.insert(name);
     }
   }
-  return static_cast<int>(report.scenes.size());
+  return static_cast<int>(report.scenes.size() + report.unscored.size());
 }
 
 }  // namespace cbmv

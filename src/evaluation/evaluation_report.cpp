@@ -13,6 +13,7 @@
 #include "../io/binary_file.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/disparity_error.h"
 
 namespace cbmv {
 namespace {
@@ -45,13 +46,60 @@ MetricValues metricsFromJson(const Json& json) {
   return values;
 }
 
+/// A curve of SceneCurves, as reports call it.
+struct Curve {
+  const char* name;
+  std::vector<double> SceneCurves::*values;
+};
+
+constexpr std::array<Curve, 3> kCurves = {{
+    {"sparsification", &SceneCurves::sparsification},
+    {"sparsification_optimal", &SceneCurves::sparsification_optimal},
+    {"error_histogram", &SceneCurves::error_histogram},
+}};
+
+/// Those that are known, to three decimals.
+Json curvesToJson(const SceneCurves& curves) {
+  Json json;
+  for (const Curve& curve : kCurves) {
+    for (const double value : curves.*curve.values) {
+      json[curve.name].push_back(std::round(1e3 * value) / 1e3);
+    }
+  }
+  return json;
+}
+
+SceneCurves curvesFromJson(const Json& json) {
+  SceneCurves curves;
+  for (const Curve& curve : kCurves) {
+    if (json.contains(curve.name)) {
+      curves.*curve.values = json.at(curve.name).get<std::vector<double>>();
+    }
+  }
+  return curves;
+}
+
+Json axesToJson() {
+  Json json;
+  json["kept_percent"] = kKeptPercents;
+  for (std::size_t k = 1; k <= kErrorBins; ++k) {
+    json["error_px"].push_back(static_cast<double>(k) * kErrorBinPx);
+  }
+  return json;
+}
+
 Json sceneToJson(const SceneScore& score) {
-  return {{"scene", score.scene},
-          {"noc", metricsToJson(score.noc)},
-          {"all", metricsToJson(score.all)},
-          {"density", numberToJson(score.density)},
-          {"seconds", numberToJson(score.seconds)},
-          {"ns_per_hypothesis", numberToJson(score.ns_per_hypothesis)}};
+  Json json = {{"scene", score.scene},
+               {"noc", metricsToJson(score.noc)},
+               {"all", metricsToJson(score.all)},
+               {"density", numberToJson(score.density)},
+               {"seconds", numberToJson(score.seconds)},
+               {"ns_per_hypothesis", numberToJson(score.ns_per_hypothesis)}};
+  const Json curves = curvesToJson(score.curves);
+  if (!curves.is_null()) {
+    json["curves"] = curves;
+  }
+  return json;
 }
 
 SceneScore sceneFromJson(const Json& json) {
@@ -62,6 +110,9 @@ SceneScore sceneFromJson(const Json& json) {
   score.density = numberFromJson(json.at("density"));
   score.seconds = numberFromJson(json.at("seconds"));
   score.ns_per_hypothesis = numberFromJson(json.at("ns_per_hypothesis"));
+  if (json.contains("curves")) {
+    score.curves = curvesFromJson(json.at("curves"));
+  }
   return score;
 }
 
@@ -178,6 +229,10 @@ const SceneScore* EvaluationReport::find(const std::string& scene) const {
   return found == scenes.end() ? nullptr : &*found;
 }
 
+bool EvaluationReport::has(const std::string& scene) const {
+  return find(scene) != nullptr || unscored.count(scene) > 0;
+}
+
 void EvaluationReport::insert(const SceneScore& score) {
   const auto place = std::lower_bound(
       scenes.begin(), scenes.end(), score.scene,
@@ -213,6 +268,13 @@ void writeJsonReport(const EvaluationReport& report, const std::string& path) {
   }
   json["mean"] = meanToJson(report.scenes, false);
   json["weighted_mean"] = meanToJson(report.scenes, true);
+  if (std::any_of(json["scenes"].begin(), json["scenes"].end(),
+                  [](const Json& scene) { return scene.contains("curves"); })) {
+    json["axes"] = axesToJson();
+  }
+  if (!report.unscored.empty()) {
+    json["unscored"] = report.unscored;
+  }
   replaceFile(path, json.dump(1) + "\n");
 }
 
@@ -227,6 +289,9 @@ EvaluationReport readJsonReport(const std::string& path) {
     report.fingerprint = textFromJson(json.at("fingerprint"));
     for (const Json& scene : json.at("scenes")) {
       report.insert(sceneFromJson(scene));
+    }
+    if (json.contains("unscored")) {
+      report.unscored = json.at("unscored").get<std::set<std::string>>();
     }
     return report;
   } catch (const Json::exception& error) {

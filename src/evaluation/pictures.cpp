@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "../io/binary_file.h"
+
 #include "cbmv_stereo/io/image_file.h"
 #include "cbmv_stereo/io/preview.h"
 
@@ -32,16 +34,18 @@ cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity) {
 }
 
 void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps) {
-  std::filesystem::create_directories(folder);
+  makeFolder(folder);
   const std::string base = (std::filesystem::path(folder) / scene.name).string();
   const auto colorize = [&](const cv::Mat& disparity) {
     return colorizeDisparity(disparity, 0.0F, static_cast<float>(scene.calibration.disparities - 1),
                              std::numeric_limits<float>::infinity());
   };
   writeImage(base + "_left.jpg", scene.left_color);
-  writeImage(base + "_truth.jpg", colorize(scene.truth));
   writeImage(base + "_disparity.jpg", colorize(maps.disparity));
-  writeImage(base + "_error.jpg", errorPicture(scene, maps.disparity));
+  if (!scene.truth.empty()) {
+    writeImage(base + "_truth.jpg", colorize(scene.truth));
+    writeImage(base + "_error.jpg", errorPicture(scene, maps.disparity));
+  }
   if (!maps.confidence.empty()) {
     writeImage(base + "_confidence.jpg", colorizeConfidence(maps.confidence));
   }

@@ -9,19 +9,39 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-MetricValues metricValues(const DisparityError& error, const StereoScene& scene,
-                          const SceneMaps& maps, const cv::Mat& mask) {
-  double auc = kNotMeasured;
-  double auc_optimal = kNotMeasured;
-  if (!maps.confidence.empty()) {
-    const Sparsification sparsification =
-        sparsify(maps.disparity, maps.confidence, scene.truth, mask, kNone);
-    auc = sparsification.auc;
-    auc_optimal = sparsification.auc_optimal;
+/// Without curves, and areas that are not measured, where the confidence is not known.
+Sparsification sparsifyIfKnown(const StereoScene& scene, const SceneMaps& maps,
+                               const cv::Mat& mask) {
+  return maps.confidence.empty()
+             ? Sparsification{{}, {}, kNotMeasured, kNotMeasured}
+             : sparsify(maps.disparity, maps.confidence, scene.truth, mask, kNone);
+}
+
+MetricValues metricValues(const DisparityError& error, const Sparsification& sparsification) {
+  return {error.bad_05,
+          error.bad_1,
+          error.bad_2,
+          error.bad_3,
+          error.bad_4,
+          error.d1,
+          error.average_px,
+          error.rms_px,
+          error.a50_px,
+          error.a90_px,
+          error.a99_px,
+          sparsification.auc,
+          sparsification.auc_optimal};
+}
+
+/// The points at kKeptPercents of a curve over 1 … 100 percent.
+std::vector<double> thinned(const std::vector<double>& curve) {
+  std::vector<double> points;
+  for (const int percent : kKeptPercents) {
+    if (!curve.empty()) {
+      points.push_back(curve[static_cast<std::size_t>(percent - 1)]);
+    }
   }
-  return {error.bad_05,     error.bad_1,  error.bad_2,  error.bad_3,  error.bad_4,  error.d1,
-          error.average_px, error.rms_px, error.a50_px, error.a90_px, error.a99_px, auc,
-          auc_optimal};
+  return points;
 }
 
 /// Adds `share` of every number of `score`.
@@ -46,8 +66,12 @@ SceneScore scoreScene(const StereoScene& scene, const SceneMaps& maps) {
   }
   SceneScore score;
   score.scene = scene.name;
-  score.noc = metricValues(noc, scene, maps, scene.visible);
-  score.all = metricValues(all, scene, maps, everywhere);
+  const Sparsification sparsification = sparsifyIfKnown(scene, maps, scene.visible);
+  score.noc = metricValues(noc, sparsification);
+  score.all = metricValues(all, sparsifyIfKnown(scene, maps, everywhere));
+  score.curves = {thinned(sparsification.bad_1),
+                  thinned(sparsification.bad_1_optimal),
+                  {noc.histogram.begin(), noc.histogram.end()}};
   score.density = all.density;
   score.seconds = maps.seconds;
   score.ns_per_hypothesis =

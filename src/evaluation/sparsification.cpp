@@ -75,7 +75,7 @@ Sparsification sparsify(const cv::Mat& disparity, const cv::Mat& confidence, con
   requireMap(mask, "mask", CV_8UC1, disparity.size());
   std::vector<Pixel> pixels = countedPixels(disparity, confidence, truth, mask, invalid);
   if (pixels.empty()) {
-    return {std::vector<double>(kSteps, 0.0), 0.0, 0.0};
+    return {std::vector<double>(kSteps, 0.0), std::vector<double>(kSteps, 0.0), 0.0, 0.0};
   }
   Sparsification result;
   result.bad_1 = curve(pixels);
@@ -83,7 +83,8 @@ Sparsification sparsify(const cv::Mat& disparity, const cv::Mat& confidence, con
   for (Pixel& pixel : pixels) {
     pixel.confidence = pixel.bad ? 0.0F : 1.0F;
   }
-  result.auc_optimal = area(curve(pixels));
+  result.bad_1_optimal = curve(pixels);
+  result.auc_optimal = area(result.bad_1_optimal);
   return result;
 }
 

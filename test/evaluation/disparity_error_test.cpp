@@ -92,6 +92,11 @@ DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const c
     e.bad_4 += error > 4 ? 100 : 0;
     e.d1 += error > 3 && error > 0.05 * std::abs(t) ? 100 : 0;
     e.density += has ? 100 : 0;
+    for (std::size_t k = 0; k < kErrorBins; ++k) {
+      const double end = 0.25 * static_cast<double>(k + 1);
+      e.histogram[k] += error <= end && (error > end - 0.25 || k == 0) ? 100 : 0;
+    }
+    e.histogram[kErrorBins] += error > 4 ? 100 : 0;
     e.average_px += has ? error : 0;
     e.rms_px += has ? error * error : 0;
     if (has) {
@@ -100,6 +105,9 @@ DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const c
   }
   for (double* value : {&e.bad_05, &e.bad_1, &e.bad_2, &e.bad_3, &e.bad_4, &e.d1, &e.density}) {
     *value /= static_cast<double>(e.pixels);
+  }
+  for (double& value : e.histogram) {
+    value /= static_cast<double>(e.pixels);
   }
   e.average_px /= static_cast<double>(errors.size());
   e.rms_px = std::sqrt(e.rms_px / static_cast<double>(errors.size()));
@@ -118,6 +126,9 @@ void expectEqual(const DisparityError& a, const DisparityError& b) {
   EXPECT_NEAR(a.bad_4, b.bad_4, 1e-9);
   EXPECT_NEAR(a.d1, b.d1, 1e-9);
   EXPECT_NEAR(a.density, b.density, 1e-9);
+  for (std::size_t k = 0; k <= kErrorBins; ++k) {
+    EXPECT_NEAR(a.histogram[k], b.histogram[k], 1e-9) << k;
+  }
   EXPECT_NEAR(a.average_px, b.average_px, 1e-5);  // differences are taken in single precision
   EXPECT_NEAR(a.rms_px, b.rms_px, 1e-5);
   EXPECT_NEAR(a.a50_px, b.a50_px, 1e-5);
@@ -155,6 +166,9 @@ TEST(EvaluateDisparity, AnErrorOfTheThresholdIsNotBad) {
   EXPECT_EQ(error.bad_1, 50.0);
   EXPECT_EQ(error.bad_2, 25.0);
   EXPECT_EQ(error.bad_4, 0.0);
+  for (const std::size_t bin : {1, 3, 7, 15}) {
+    EXPECT_EQ(error.histogram[bin], 25.0) << bin;
+  }
 }
 
 TEST(EvaluateDisparity, D1NeedsThreePixelsAndFivePercent) {

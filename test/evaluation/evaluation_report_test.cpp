@@ -118,6 +118,25 @@ TEST(EvaluationReport, JsonHasTheAgreedEntries) {
                 pixels + "},\"weighted_mean\":{" + pixels + "}}");
 }
 
+TEST(EvaluationReport, HasCurvesAndUnscoredScenesWhereThereAreSome) {
+  const TemporaryFolder folder;
+  EvaluationReport report = makeReport();
+  report.unscored = {"Crusade"};
+  report.scenes[0].curves.sparsification = std::vector<double>(21, 1.23449);
+  report.scenes[0].curves.error_histogram = std::vector<double>(17, 2.5);
+  writeJsonReport(report, folder.file("r.json"));
+  EXPECT_TRUE(
+      mentions(contentOf(folder.file("r.json")),
+               {"\"axes\"", "\"kept_percent\"", "\"error_px\"", "\"unscored\"", " 1.234,"}));
+  const EvaluationReport read = readJsonReport(folder.file("r.json"));
+  EXPECT_EQ(read.scenes[0].curves.sparsification, std::vector<double>(21, 1.234));
+  EXPECT_TRUE(read.scenes[0].curves.sparsification_optimal.empty());
+  EXPECT_EQ(read.scenes[0].curves.error_histogram, report.scenes[0].curves.error_histogram);
+  EXPECT_TRUE(read.scenes[1].curves.error_histogram.empty());
+  EXPECT_EQ(read.unscored, report.unscored);
+  EXPECT_TRUE(read.has("Crusade") && read.has("Teddy") && !read.has("Art"));
+}
+
 TEST(EvaluationReport, WithoutScenesHasNoMean) {
   const TemporaryFolder folder;
   writeJsonReport({}, folder.file("r.json"));

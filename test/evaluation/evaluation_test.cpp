@@ -40,11 +40,11 @@ class Evaluation : public testing::Test {
   }
 
   int evaluate(EvaluationReport& report) {
-    const DataSet data_set = DataSet::open("middlebury_v3:" + folder_.file(""));
+    const DataSet data_set = DataSet::open("middlebury_v3:" + folder_.file(""), truth_);
     const DisparitySource perfect = [this](const StereoScene& scene) {
       matched_.push_back(scene.name);
       SceneMaps maps;
-      maps.disparity = scene.truth.clone();
+      maps.disparity = cv::Mat::ones(scene.left.size(), CV_32FC1);
       return maps;
     };
     return evaluateScenes(data_set, {"Teddy", "Shelves", "Piano"}, perfect, events_, report);
@@ -52,6 +52,7 @@ class Evaluation : public testing::Test {
 
   const TemporaryFolder folder_;
   EvaluationEvents events_;
+  Truth truth_ = Truth::kRequired;
   Names progress_, failures_, matched_, mapped_;
   std::vector<std::size_t> sizes_;
 };
@@ -78,6 +79,25 @@ TEST_F(Evaluation, NamesBadScenesAndGoesOn) {
   EXPECT_EQ(report.scenes.size(), 2U);
   ASSERT_EQ(failures_.size(), 1U);
   EXPECT_TRUE(mentions(failures_[0], {"scene Shelves", folder_.file("Shelves/im1.png")}));
+}
+
+TEST_F(Evaluation, MatchesScenesWithoutTruthButDoesNotScoreThem) {
+  std::filesystem::remove(folder_.file("Shelves/disp0GT.pfm"));
+  truth_ = Truth::kOptional;
+  EvaluationReport report;
+  report.fingerprint = "same";
+  EXPECT_EQ(evaluate(report), 0);
+  EXPECT_EQ(report.scenes.size(), 2U);
+  EXPECT_EQ(report.unscored, std::set<std::string>{"Shelves"});
+  EXPECT_EQ(mapped_, (Names{"Teddy", "Shelves", "Piano"}));
+  EXPECT_EQ(progress_[1], "Shelves: matched, not scored as it has no ground truth");
+  matched_.clear();
+  EvaluationReport resumed;
+  resumed.fingerprint = "same";
+  const DataSet data_set = DataSet::open("middlebury_v3:" + folder_.file(""));
+  EXPECT_EQ(resumeReport(report, data_set, {"Teddy", "Shelves"}, resumed), 2);
+  EXPECT_EQ(evaluate(resumed), 0);
+  EXPECT_EQ(matched_, Names{"Piano"});
 }
 
 TEST_F(Evaluation, LeavesAloneWhatIsScoredAlready) {

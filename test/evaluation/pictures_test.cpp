@@ -50,6 +50,17 @@ TEST(ErrorPicture, ColorsErrorsUpToFourPixels) {
   EXPECT_EQ(at(6), cv::Vec3b(0, 0, 0));
 }
 
+TEST(Pictures, WithoutTruthAreOfTheMapsAlone) {
+  const TemporaryFolder folder;
+  StereoScene scene = makeScene();
+  scene.truth.release();
+  scene.visible.release();
+  writePictures(folder.file(""), scene, makeMaps());
+  EXPECT_EQ(readColorImage(folder.file("Scene_disparity.jpg")).size(), cv::Size(7, 1));
+  EXPECT_THROW(readColorImage(folder.file("Scene_truth.jpg")), Error);
+  EXPECT_THROW(readColorImage(folder.file("Scene_error.jpg")), Error);
+}
+
 TEST(Pictures, AreWrittenForEachMap) {
   const TemporaryFolder folder;
   SceneMaps maps = makeMaps();

@@ -79,6 +79,25 @@ TEST(SceneScore, HasTheMetricsOfVisibleAndOfAllPixels) {
   EXPECT_NEAR(score.ns_per_hypothesis, 2e9 / (10 * 20), 1e-3);
 }
 
+TEST(SceneScore, HasTheCurvesOfVisiblePixels) {
+  const StereoScene scene = makeScene();
+  const SceneMaps maps = makeMaps();
+  const SceneCurves curves = scoreScene(scene, maps).curves;
+  const Sparsification sparsification =
+      sparsify(maps.disparity, maps.confidence, scene.truth, scene.visible, kInfinity);
+  ASSERT_EQ(curves.sparsification.size(), kKeptPercents.size());
+  ASSERT_EQ(curves.sparsification_optimal.size(), kKeptPercents.size());
+  for (std::size_t p = 0; p < kKeptPercents.size(); ++p) {
+    const auto k = static_cast<std::size_t>(kKeptPercents[p] - 1);
+    EXPECT_EQ(curves.sparsification[p], sparsification.bad_1[k]);
+    EXPECT_EQ(curves.sparsification_optimal[p], sparsification.bad_1_optimal[k]);
+  }
+  const DisparityError error =
+      evaluateDisparity(maps.disparity, scene.truth, scene.visible, kInfinity);
+  EXPECT_EQ(curves.error_histogram,
+            std::vector<double>(error.histogram.begin(), error.histogram.end()));
+}
+
 TEST(SceneScore, LeavesOpenWhatIsNotKnown) {
   SceneMaps maps = makeMaps();
   maps.confidence.release();
@@ -88,6 +107,8 @@ TEST(SceneScore, LeavesOpenWhatIsNotKnown) {
   EXPECT_TRUE(std::isnan(metric(score.all, "auc_optimal")));
   EXPECT_TRUE(std::isnan(score.seconds));
   EXPECT_TRUE(std::isnan(score.ns_per_hypothesis));
+  EXPECT_TRUE(score.curves.sparsification.empty() && score.curves.sparsification_optimal.empty());
+  EXPECT_EQ(score.curves.error_histogram.size(), kErrorBins + 1);
 }
 
 TEST(SceneScore, RefusesASceneWithoutVisiblePixels) {

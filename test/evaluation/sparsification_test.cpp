@@ -62,7 +62,9 @@ void expectNaive(const cv::Mat& disparity, const cv::Mat& confidence, const cv::
     const double expected = naiveBad(disparity, score, truth, mask, kept);
     ASSERT_NEAR(result.bad_1[static_cast<std::size_t>(k)], expected, 1e-9) << k;
     auc += expected / 100.0;
-    auc_optimal += naiveBad(disparity, oracle, truth, mask, kept) / 100.0;
+    const double optimal = naiveBad(disparity, oracle, truth, mask, kept);
+    ASSERT_NEAR(result.bad_1_optimal[static_cast<std::size_t>(k)], optimal, 1e-9) << k;
+    auc_optimal += optimal / 100.0;
   }
   EXPECT_NEAR(result.auc, auc, 1e-9);
   EXPECT_NEAR(result.auc_optimal, auc_optimal, 1e-9);

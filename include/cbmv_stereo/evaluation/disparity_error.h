@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include <opencv2/core.hpp>
 
 namespace cbmv {
@@ -12,6 +15,9 @@ namespace cbmv {
 /// than 1 px lands less than one column away from it: a nearer surface covers it there. The margin
 /// of 1 px keeps slanted surfaces (up to 1/2 px of disparity a column) from hiding themselves.
 cv::Mat visibleInBoth(const cv::Mat& truth);
+
+inline constexpr double kErrorBinPx = 0.25;    ///< width of a bin of DisparityError::histogram
+inline constexpr std::size_t kErrorBins = 16;  ///< up to 4 px
 
 /// Errors over the counted pixels; all zero when there are none.
 struct DisparityError {
@@ -28,6 +34,9 @@ struct DisparityError {
   double a99_px = 0.0;      ///< the same with 99 %
   double density = 0.0;     ///< percent of the counted pixels that have a disparity
   long pixels = 0;          ///< counted pixels: finite truth and mask 255
+  /// Percent of the counted pixels with |d − truth| above k · kErrorBinPx (from 0 on for k = 0) and
+  /// at most (k + 1) · kErrorBinPx; the last: above 4 px or no d.
+  std::array<double, kErrorBins + 1> histogram{};
 };
 
 /// Compares `disparity` with `truth` (both CV_32FC1) where `mask` (CV_8UC1) is 255 and the truth is

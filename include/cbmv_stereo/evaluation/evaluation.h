@@ -14,19 +14,20 @@ namespace cbmv {
 struct EvaluationEvents {
   std::function<void(const std::string&)> progress;  ///< a line for people
   std::function<void(const std::string&)> failure;   ///< a scene and what is wrong with it
-  std::function<void(const StereoScene&, const SceneMaps&)> maps;  ///< of a scene that was scored
+  std::function<void(const StereoScene&, const SceneMaps&)> maps;  ///< of a scene that was matched
   std::function<void(const EvaluationReport&)> scored;             ///< the report has a scene more
 };
 
-/// Scores the scenes, in this order, and puts them into `report`; leaves alone those that are in it
-/// already. A scene that cannot be read, matched or scored is told by `failure` and left out.
-/// Returns how many these are.
+/// Matches the scenes, in this order, and puts their scores into `report`, or only their names
+/// where there is no ground truth; leaves alone those that are in it already. A scene that cannot
+/// be read, matched or scored is told by `failure` and left out. Returns how many these are.
 int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scenes,
                    const DisparitySource& source, const EvaluationEvents& events,
                    EvaluationReport& report);
 
 /// Takes over into `report`, which has no scenes yet, those of `scenes` that an earlier report of
-/// the same fingerprint holds. Returns how many these are, −1 when the fingerprints differ.
+/// the same fingerprint holds, scored or not. Returns how many these are, −1 when the fingerprints
+/// differ.
 int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
                  const std::vector<std::string>& scenes, EvaluationReport& report);
 

@@ -14,9 +14,9 @@ namespace cbmv {
 /// see the point. Both maps have the size of the scene.
 cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity);
 
-/// Writes SCENE_left.jpg, SCENE_truth.jpg, SCENE_disparity.jpg, SCENE_error.jpg and, where it is
-/// known, SCENE_confidence.jpg. Disparities are coloured over the scene's range. Throws Error
-/// naming the file that cannot be written.
+/// Writes SCENE_left.jpg, SCENE_disparity.jpg and, where they are known, SCENE_truth.jpg and
+/// SCENE_error.jpg, and SCENE_confidence.jpg. Disparities are coloured over the scene's range.
+/// Throws Error naming the file that cannot be written.
 void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
 
 }  // namespace cbmv

@@ -45,6 +45,17 @@ struct SceneMaps {
   double seconds = kNotMeasured;
 };
 
+/// Percents of the kept pixels at which SceneCurves has the sparsification curves.
+inline constexpr std::array<int, 21> kKeptPercents = {1,  5,  10, 15, 20, 25, 30, 35, 40, 45, 50,
+                                                      55, 60, 65, 70, 75, 80, 85, 90, 95, 100};
+
+/// What charts show, over the pixels that both cameras see, percent; empty where it is not known.
+struct SceneCurves {
+  std::vector<double> sparsification;          ///< Sparsification::bad_1 at kKeptPercents
+  std::vector<double> sparsification_optimal;  ///< bad_1_optimal there
+  std::vector<double> error_histogram;         ///< DisparityError::histogram
+};
+
 struct SceneScore {
   std::string scene;
   double weight = 1.0;   ///< in the weighted mean
@@ -54,12 +65,14 @@ struct SceneScore {
   double density = 0.0;  ///< percent of the latter that have a disparity
   double seconds = kNotMeasured;
   double ns_per_hypothesis = kNotMeasured;
+  SceneCurves curves;
 };
 
 /// Throws Error when sizes disagree or the scene has no visible pixel with a known disparity.
 SceneScore scoreScene(const StereoScene& scene, const SceneMaps& maps);
 
-/// Means of all numbers, not empty. `weighted`: with the weights of the scenes.
+/// Means of all numbers, without curves, of scores that are not empty. `weighted`: with the weights
+/// of the scenes.
 SceneScore meanScore(const std::vector<SceneScore>& scores, bool weighted);
 
 }  // namespace cbmv

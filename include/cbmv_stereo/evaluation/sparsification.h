@@ -11,8 +11,9 @@ struct Sparsification {
   /// bad_1[k]: percent of bad pixels (|d − truth| > 1 px or no d) among the k + 1 percent of the
   /// counted pixels that are most confident, k = 0 … 99; bad_1[99] is that of all pixels.
   std::vector<double> bad_1;
-  double auc = 0.0;          ///< area under that curve: the mean of bad_1, percent
-  double auc_optimal = 0.0;  ///< area if all good pixels came before all bad ones, percent
+  std::vector<double> bad_1_optimal;  ///< the same if all good pixels came before all bad ones
+  double auc = 0.0;                   ///< area under that curve: the mean of bad_1, percent
+  double auc_optimal = 0.0;           ///< area under bad_1_optimal, percent
 };
 
 /// Counts the pixels as evaluateDisparity does. `confidence` is CV_32FC1, higher is better; NaN
