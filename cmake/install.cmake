@@ -21,6 +21,8 @@ install(TARGETS ${installed_targets}
         ARCHIVE DESTINATION ${library_destination}
         LIBRARY DESTINATION ${library_destination}
         RUNTIME DESTINATION ${program_destination})
+install(PROGRAMS scripts/evaluation_report DESTINATION ${program_destination}
+        RENAME cbmv_evaluation_report)
 install(DIRECTORY include/${PROJECT_NAME} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY models config DESTINATION ${share_destination})
 if(CBMV_BUILD_ROS)

@@ -9,3 +9,9 @@ foreach(tool_source ${tool_sources})
   target_link_libraries(${tool} PRIVATE cbmv CLI11::CLI11)
   list(APPEND CBMV_TOOLS ${tool})
 endforeach()
+
+# cbmv_eval looks for the program that makes its page beside itself.
+add_custom_command(TARGET cbmv_eval POST_BUILD
+                   COMMAND ${CMAKE_COMMAND} -E create_symlink
+                           ${PROJECT_SOURCE_DIR}/scripts/evaluation_report
+                           $<TARGET_FILE_DIR:cbmv_eval>/cbmv_evaluation_report)

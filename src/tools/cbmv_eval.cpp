@@ -1,27 +1,33 @@
 // Measures the errors of the method, or of ready disparity maps, on pairs with ground truth.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "../io/binary_file.h"
 #include "data_arguments.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/evaluation.h"
+#include "cbmv_stereo/evaluation/evaluation_page.h"
 #include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/evaluation/pictures.h"
+#include "cbmv_stereo/evaluation/submission.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace {
 
 struct Arguments {
-  std::string data_set, forest, disparities, preset, maps, json, csv, markdown;
+  std::string data_set, forest, disparities, preset, maps, json, csv, markdown, report, submission;
   int folds = 0;
   bool resume = false;
   cbmv::SceneFilter filter;
@@ -86,12 +92,26 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   return evaluation;
 }
 
-void resume(const Arguments& arguments, const cbmv::DataSet& data_set, Evaluation& evaluation) {
+using Submission = std::optional<cbmv::SubmissionWriter>;
+
+/// Whether nothing of what this run writes of the scene is missing.
+bool isWritten(const Arguments& arguments, const Submission& submission, const std::string& scene) {
+  const std::string base = (std::filesystem::path(arguments.maps) / scene).string();
+  return (arguments.maps.empty() || (std::filesystem::exists(base + ".pfm") &&
+                                     std::filesystem::exists(base + "_disparity.jpg"))) &&
+         (!submission || submission->has(scene));
+}
+
+void resume(const Arguments& arguments, const cbmv::DataSet& data_set, const Submission& submission,
+            Evaluation& evaluation) {
   if (!arguments.resume || !std::filesystem::exists(arguments.json)) {
     return;
   }
-  const int found = cbmv::resumeReport(cbmv::readJsonReport(arguments.json), data_set,
-                                       evaluation.scenes, evaluation.report);
+  std::vector<std::string> written;
+  std::copy_if(evaluation.scenes.begin(), evaluation.scenes.end(), std::back_inserter(written),
+               [&](const std::string& scene) { return isWritten(arguments, submission, scene); });
+  const int found = cbmv::resumeReport(cbmv::readJsonReport(arguments.json), data_set, written,
+                                       evaluation.report);
   if (found < 0) {
     printLine(arguments.json + " is of another forest or other settings; starting anew");
   }
@@ -109,16 +129,24 @@ void writeReports(const Arguments& arguments, const cbmv::EvaluationReport& repo
   }
 }
 
-void evaluate(Arguments arguments) {
+/// What the options imply of each other.
+void complete(Arguments& arguments) {
+  if (!arguments.report.empty()) {
+    cbmv::makeFolder(arguments.report);
+    const std::filesystem::path folder(arguments.report);
+    arguments.json = arguments.json.empty() ? (folder / "report.json").string() : arguments.json;
+    arguments.maps = arguments.maps.empty() ? (folder / "maps").string() : arguments.maps;
+  }
+  if (arguments.resume && arguments.json.empty()) {
+    throw cbmv::Error("--resume needs --json or --report, which name what there is to resume");
+  }
   if (!arguments.preset.empty()) {
     cbmv::readPreset(arguments.preset, arguments.options);
   }
   arguments.options.range = cbmv::DisparityRange();  // each scene brings its own
-  const cbmv::DataSet data_set = cbmv::DataSet::open(arguments.data_set);
-  Evaluation evaluation = setUp(arguments, data_set);
-  resume(arguments, data_set, evaluation);
-  writeReports(arguments, evaluation.report);  // a path that cannot be written ends it here
+}
 
+cbmv::EvaluationEvents makeEvents(const Arguments& arguments, const Submission& submission) {
   cbmv::EvaluationEvents events;
   events.progress = printLine;
   events.failure = [](const std::string& line) {
@@ -129,11 +157,56 @@ void evaluate(Arguments arguments) {
       cbmv::writeMaps(arguments.maps, scene, maps);
       cbmv::writePictures(arguments.maps, scene, maps);
     }
+    if (submission) {
+      submission->write(scene, maps);
+    }
   };
   events.scored = [&](const cbmv::EvaluationReport& report) { writeReports(arguments, report); };
-  const int failed = cbmv::evaluateScenes(data_set, evaluation.scenes, evaluation.source, events,
-                                          evaluation.report);
-  std::printf("\n%s", cbmv::formatReport(evaluation.report).c_str());
+  return events;
+}
+
+/// The program that makes the page lies beside this one.
+void writePage(const Arguments& arguments) {
+  const std::filesystem::path tools = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string page = (std::filesystem::path(arguments.report) / "index.html").string();
+  cbmv::writeEvaluationPage((tools / "cbmv_evaluation_report").string(), arguments.json,
+                            arguments.maps, page);
+  printLine("wrote " + page);
+}
+
+/// Tells the results; the last thing to do.
+void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) {
+  if (!report.scenes.empty()) {
+    std::printf("\n%s", cbmv::formatReport(report).c_str());
+  }
+  if (!report.unscored.empty()) {
+    printLine(std::to_string(report.unscored.size()) + " scenes have no ground truth and no score");
+  }
+  if (!arguments.submission.empty()) {
+    printLine("wrote the upload " + arguments.submission);
+  }
+  if (!arguments.report.empty() && report.scenes.empty()) {
+    printLine("no page is made, as no scene has a score");
+  } else if (!arguments.report.empty()) {
+    writePage(arguments);
+  }
+}
+
+void evaluate(Arguments arguments) {
+  complete(arguments);
+  const cbmv::DataSet data_set = cbmv::DataSet::open(
+      arguments.data_set,
+      arguments.submission.empty() ? cbmv::Truth::kRequired : cbmv::Truth::kOptional);
+  Submission submission;
+  if (!arguments.submission.empty()) {
+    submission.emplace(data_set, arguments.submission);
+  }
+  Evaluation evaluation = setUp(arguments, data_set);
+  resume(arguments, data_set, submission, evaluation);
+  writeReports(arguments, evaluation.report);  // a path that cannot be written ends it here
+  const int failed = cbmv::evaluateScenes(data_set, evaluation.scenes, evaluation.source,
+                                          makeEvents(arguments, submission), evaluation.report);
+  conclude(arguments, evaluation.report);
   if (failed > 0) {
     throw cbmv::Error(std::to_string(failed) + " of " + std::to_string(evaluation.scenes.size()) +
                       " scenes are left out");
@@ -155,8 +228,26 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
                  "YAML file of parameters; the disparities searched are those of the scene")
       ->excludes(disparities);
   app.add_flag("--resume", arguments.resume,
-               "Keep the scenes that FILE of --json holds already, of the same forest and settings")
+               "Keep the scenes that FILE of --json, or the report, holds already, of the same "
+               "forest and settings")
       ->excludes(disparities);
+  app.add_option("--submission", arguments.submission,
+                 "Folder to write what the benchmark of this data set takes as an upload; scenes "
+                 "without ground truth are then matched too, but not scored")
+      ->excludes(disparities);
+}
+
+void addOutputOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("--json", arguments.json, "Report to write; replaced after every scene");
+  app.add_option("--csv", arguments.csv, "The same as CSV");
+  app.add_option("--markdown", arguments.markdown, "The same as tables in Markdown");
+  app.add_option("--maps", arguments.maps,
+                 "Folder to write the maps to, in the form that --disparities reads, and pictures "
+                 "of them");
+  app.add_option("--report", arguments.report,
+                 "Folder to write the page index.html to, which shows all of this and needs no "
+                 "other file (by Python's matplotlib); report.json and maps/ lie there too, "
+                 "unless --json and --maps place them");
 }
 
 }  // namespace
@@ -170,14 +261,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", arguments.options.threads, "0: as many as the machine has")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  CLI::Option* json =
-      app.add_option("--json", arguments.json, "Report to write; replaced after every scene");
-  app.get_option("--resume")->needs(json);
-  app.add_option("--csv", arguments.csv, "The same as CSV");
-  app.add_option("--markdown", arguments.markdown, "The same as tables in Markdown");
-  app.add_option("--maps", arguments.maps,
-                 "Folder to write the maps to, in the form that --disparities reads, and pictures "
-                 "of them, which scripts/evaluation_report shows");
+  addOutputOptions(app, arguments);
   cbmv::addTrainingOptions(app, arguments.training);
   try {
     app.parse(argc, argv);

@@ -1,18 +1,13 @@
 // The command-line programs as a user meets them: what they write, what they say of bad input.
 
-#include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "support/rendered_data_set.h"
+#include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
 #include "cbmv_stereo/evaluation/disparity_error.h"
@@ -24,37 +19,6 @@
 
 namespace cbmv::test {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-
-struct Outcome {
-  int status = 0;
-  std::string output;  ///< standard error
-};
-
-/// Runs TOOL ARGUMENTS and returns its exit status and standard error.
-Outcome run(const std::string& tool, const std::string& arguments) {
-  const std::string command =
-      std::string(CBMV_TOOLS_DIR) + "/" + tool + " " + arguments + " 2>&1 >/dev/null";
-  FILE* pipe = popen(command.c_str(), "r");
-  Outcome outcome;
-  std::array<char, 256> buffer{};
-  while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) {
-    outcome.output += buffer.data();
-  }
-  outcome.status = WEXITSTATUS(pclose(pipe));
-  return outcome;
-}
-
-/// One line on standard error, exit status 2.
-void expectRefusal(const Outcome& outcome, const std::vector<std::string>& parts) {
-  EXPECT_EQ(outcome.status, 2) << outcome.output;
-  EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
-  for (const std::string& part : parts) {
-    EXPECT_THAT(outcome.output, HasSubstr(part));
-  }
-}
 
 const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
 

@@ -1,0 +1,218 @@
+// cbmv_eval and the program that makes its page, as a user meets them.
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/rendered_data_set.h"
+#include "support/run_tool.h"
+#include "support/temporary_folder.h"
+
+#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/io/pfm.h"
+
+namespace cbmv::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
+
+std::string contentOf(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// How often the pattern occurs.
+long count(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  return std::distance(std::sregex_iterator(text.begin(), text.end(), expression), {});
+}
+
+/// Two rendered scenes, One and Two, in testQ/.
+class EvalTest : public testing::Test {
+ protected:
+  EvalTest() {
+    writeScene(path("testQ/One"), renderScene(120, 60, 1));
+    writeScene(path("testQ/Two"), renderScene(120, 60, 2));
+  }
+
+  std::string path(const std::string& name) const { return folder_.file(name); }
+
+  Outcome evaluate(const std::string& arguments, const std::string& environment = "") const {
+    return run(
+        "cbmv_eval",
+        "--dataset middlebury_v3:" + path("testQ") + " --forest " + kForest + " " + arguments,
+        environment);
+  }
+
+  /// One line for the scene Two, which names the file, and one for the end; One is scored.
+  void expectOnlyOne(const std::string& file, const std::string& what) const {
+    expectRefusal(evaluate("--json " + path("r.json")),
+                  {"scene Two is left out", path(file), what, "1 of 2 scenes are left out"}, 2);
+    const EvaluationReport report = readJsonReport(path("r.json"));
+    ASSERT_EQ(report.scenes.size(), 1U);
+    EXPECT_EQ(report.scenes[0].scene, "One");
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(EvalTest, ReportIsAPageThatNeedsNoOtherFile) {
+  fs::rename(path("testQ/Two"), path("testQ/Two & <b>"));
+  const Outcome outcome = evaluate("--report \"" + path("a page's; folder") + "\"");
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string page = contentOf(path("a page's; folder/index.html"));
+  EXPECT_THAT(page, HasSubstr("<h3>One<"));
+  EXPECT_THAT(page, HasSubstr("<h3>Two &amp; &lt;b&gt;<"));
+  EXPECT_THAT(page, HasSubstr("middlebury.forest"));
+  EXPECT_EQ(count(page, "<td>One</td>"), 2);  // of noc and all pixels
+  EXPECT_EQ(count(page, "<img [^>]*src=\"data:image/jpeg;base64,"), 2 * 5);
+  EXPECT_EQ(count(page, "<svg"), 1 + 2 + 2);  // the means, two of bars, one a scene
+  EXPECT_EQ(count(page, "src=\"(?!data:)"), 0);
+  EXPECT_EQ(count(page, "href=\"(?!#)"), 0);
+  EXPECT_EQ(count(page, "url\\((?!#)"), 0);
+  EXPECT_EQ(count(page, "@import|<link|<iframe"), 0);
+}
+
+TEST_F(EvalTest, ReportOfReadyMapsHasNoSparsification) {
+  fs::create_directory(path("maps"));
+  for (const char* scene : {"One", "Two"}) {
+    fs::copy_file(path(std::string("testQ/") + scene + "/disp0GT.pfm"),
+                  path(std::string("maps/") + scene + ".pfm"));
+  }
+  const Outcome outcome =
+      run("cbmv_eval", "--dataset middlebury_v3:" + path("testQ") + " --disparities " +
+                           path("maps") + " --report " + path("page"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const std::string page = contentOf(path("page/index.html"));
+  EXPECT_THAT(page, HasSubstr("ready disparity maps"));
+  EXPECT_EQ(count(page, "most confident pixels kept"), 0);
+  EXPECT_EQ(count(page, "<img "), 2 * 4);  // no confidence
+}
+
+TEST_F(EvalTest, WithoutMatplotlibAllButThePageIsThere) {
+  fs::create_directory(path("python"));
+  std::ofstream(path("python/matplotlib.py")) << "raise ImportError('none here')\n";
+  expectRefusal(evaluate("--report " + path("page"), "PYTHONPATH=" + path("python")),
+                {"The page is not made", "python3-matplotlib"});
+  EXPECT_FALSE(fs::exists(path("page/index.html")));
+  EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
+  EXPECT_TRUE(fs::exists(path("page/maps/Two_error.jpg")));
+}
+
+TEST_F(EvalTest, ThePageProgramRefusesInASentence) {
+  const auto refuses = [&](const std::string& json, const std::string& what) {
+    std::ofstream(path("r.json")) << json;
+    expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
+                  {path("r.json"), what});
+  };
+  refuses("", "not a JSON report");
+  refuses("[]", "not a JSON report");
+  refuses("{\"scenes\": [{\"scene\": \"One\"}]}", "not a JSON report");
+  refuses("{\"forest\": null, \"scenes\": [], \"mean\": null, \"weighted_mean\": null}",
+          "no scene");
+  expectRefusal(run("cbmv_evaluation_report", path("none.json") + " --output " + path("p.html")),
+                {path("none.json"), "No such file"});
+  EvaluationReport report;
+  report.scenes.resize(1);
+  report.scenes[0].scene = "One";
+  report.scenes[0].curves.sparsification = {1, 2, 3};
+  writeJsonReport(report, path("r.json"));
+  expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
+                {path("r.json"), "not a JSON report"});
+  report.scenes[0].curves = {};
+  writeJsonReport(report, path("r.json"));
+  expectRefusal(run("cbmv_evaluation_report",
+                    path("r.json") + " --maps " + path("testQ") + " --output " + path("p.html")),
+                {path("testQ"), "picture of One"});
+  expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("none/p.html")),
+                {path("none/p.html"), "No such file"});
+  EXPECT_FALSE(fs::exists(path("p.html")));
+}
+
+TEST_F(EvalTest, SubmissionHasTheScenesWithoutTruthToo) {
+  fs::remove(path("testQ/Two/disp0GT.pfm"));
+  const std::string arguments = "--json " + path("r.json") + " --submission " + path("upload");
+  const Outcome outcome = evaluate(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const EvaluationReport report = readJsonReport(path("r.json"));
+  EXPECT_EQ(report.scenes.size(), 1U);
+  EXPECT_EQ(report.unscored, std::set<std::string>{"Two"});
+  for (const std::string scene : {"One", "Two"}) {
+    const std::string base = path("upload/testQ/" + scene);
+    EXPECT_EQ(readPfm(base + "/disp0CBMV.pfm").size(), cv::Size(120, 60));
+    double seconds = 0.0;
+    std::ifstream(base + "/timeCBMV.txt") >> seconds;
+    EXPECT_GT(seconds, 0.0);
+  }
+  fs::remove(path("upload/testQ/Two/disp0CBMV.pfm"));  // is then made again
+  const auto one = fs::last_write_time(path("upload/testQ/One/disp0CBMV.pfm"));
+  ASSERT_EQ(evaluate(arguments + " --resume").status, 0);
+  EXPECT_TRUE(fs::exists(path("upload/testQ/Two/disp0CBMV.pfm")));
+  EXPECT_EQ(fs::last_write_time(path("upload/testQ/One/disp0CBMV.pfm")), one);
+}
+
+TEST_F(EvalTest, TestScenesAloneHaveAnUploadButNoPage) {
+  fs::remove(path("testQ/One/disp0GT.pfm"));
+  fs::remove(path("testQ/Two/disp0GT.pfm"));
+  expectRefusal(evaluate("--json " + path("r.json")),
+                {"scene One is left out", "Two/disp0GT.pfm", "2 of 2"}, 3);
+  const Outcome outcome = evaluate("--submission " + path("upload") + " --report " + path("page"));
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(path("upload/testQ/Two/disp0CBMV.pfm")));
+  EXPECT_FALSE(fs::exists(path("page/index.html")));
+}
+
+TEST_F(EvalTest, NamesTheSceneThatIsWrongAndGoesOn) {
+  const std::string truth = contentOf(path("testQ/Two/disp0GT.pfm"));
+  fs::resize_file(path("testQ/Two/disp0GT.pfm"), 1000);
+  expectOnlyOne("testQ/Two/disp0GT.pfm", "1000 bytes");
+  writePfm(path("testQ/Two/disp0GT.pfm"), cv::Mat::ones(60, 119, CV_32FC1));
+  expectOnlyOne("testQ/Two/disp0GT.pfm", "119x60");
+  fs::remove(path("testQ/Two/disp0GT.pfm"));
+  expectOnlyOne("testQ/Two/disp0GT.pfm", "no such file");
+  std::ofstream(path("testQ/Two/disp0GT.pfm"), std::ios::binary) << truth;
+  fs::rename(path("testQ/Two/im1.png"), path("im1.png"));
+  expectOnlyOne("testQ/Two/im1.png", "no such file");
+  fs::rename(path("im1.png"), path("testQ/Two/im1.png"));
+  writeMiddleburyCalibration(path("testQ/Two/calib.txt"), {200, 0, 0, 0, 0.1, 120, 60, 121});
+  expectOnlyOne("testQ/Two/calib.txt", "ndisp is 121");
+}
+
+TEST_F(EvalTest, ResumesWhatWasCutOff) {
+  fs::resize_file(path("testQ/Two/disp0GT.pfm"), 1000);
+  expectRefusal(evaluate("--report " + path("page")), {"scene Two", "1 of 2"}, 2);
+  EXPECT_THAT(contentOf(path("page/index.html")), HasSubstr("<h3>One<"));
+  const auto one = fs::last_write_time(path("page/maps/One.pfm"));
+  writeScene(path("testQ/Two"), renderScene(120, 60, 2));
+  const Outcome outcome =
+      evaluate("--resume --json " + path("page/report.json") + " --maps " + path("page/maps"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(fs::last_write_time(path("page/maps/One.pfm")), one);
+  EXPECT_TRUE(fs::exists(path("page/maps/Two.pfm")));
+  EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
+}
+
+TEST_F(EvalTest, RefusesBeforeItStarts) {
+  expectRefusal(evaluate("--resume"), {"--resume needs --json or --report"});
+  fs::rename(path("testQ"), path("renamed"));
+  const std::string rest = path("renamed") + " --forest " + kForest + " --submission " + path("u");
+  expectRefusal(run("cbmv_eval", "--dataset middlebury_v3:" + rest), {"renamed", "Q, H or F"});
+  expectRefusal(run("cbmv_eval", "--dataset middlebury_2005:" + rest), {"has no scene"});
+  std::ofstream(path("file")) << "no folder\n";
+  expectRefusal(run("cbmv_eval", "--dataset eth3d:" + rest + " --report " + path("file")),
+                {path("file")});
+}
+
+}  // namespace
+}  // namespace cbmv::test
