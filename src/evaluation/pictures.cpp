@@ -15,6 +15,16 @@ namespace {
 constexpr float kHighestErrorPx = 4.0F;
 constexpr float kUnknown = -1.0F;
 
+/// Of the truth, whose range is often much smaller than the one searched; else the latter's.
+float highestDisparity(const StereoScene& scene) {
+  double highest = 0.0;
+  if (!scene.truth.empty()) {
+    cv::minMaxLoc(scene.truth, nullptr, &highest, nullptr, nullptr, scene.truth == scene.truth);
+  }
+  return highest > 0.0 ? static_cast<float>(highest)
+                       : static_cast<float>(scene.calibration.disparities - 1);
+}
+
 }  // namespace
 
 cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity) {
@@ -36,9 +46,8 @@ cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity) {
 void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps) {
   makeFolder(folder);
   const std::string base = (std::filesystem::path(folder) / scene.name).string();
-  const auto colorize = [&](const cv::Mat& disparity) {
-    return colorizeDisparity(disparity, 0.0F, static_cast<float>(scene.calibration.disparities - 1),
-                             std::numeric_limits<float>::infinity());
+  const auto colorize = [highest = highestDisparity(scene)](const cv::Mat& disparity) {
+    return colorizeDisparity(disparity, 0.0F, highest, std::numeric_limits<float>::infinity());
   };
   writeImage(base + "_left.jpg", scene.left_color);
   writeImage(base + "_disparity.jpg", colorize(maps.disparity));

@@ -180,7 +180,9 @@ void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) 
     std::printf("\n%s", cbmv::formatReport(report).c_str());
   }
   if (!report.unscored.empty()) {
-    printLine(std::to_string(report.unscored.size()) + " scenes have no ground truth and no score");
+    printLine(
+        "without ground truth, so without a score: " + std::to_string(report.unscored.size()) +
+        " of " + std::to_string(report.scenes.size() + report.unscored.size()) + " scenes");
   }
   if (!arguments.submission.empty()) {
     printLine("wrote the upload " + arguments.submission);

@@ -50,6 +50,28 @@ TEST(ErrorPicture, ColorsErrorsUpToFourPixels) {
   EXPECT_EQ(at(6), cv::Vec3b(0, 0, 0));
 }
 
+TEST(Pictures, ColorsReachToTheHighestTrueDisparity) {
+  const TemporaryFolder folder;
+  StereoScene scene = makeScene();
+  scene.left_color = cv::Mat(16, 16, CV_8UC3, cv::Scalar(0));
+  scene.truth = cv::Mat(16, 16, CV_32FC1, cv::Scalar(9));
+  scene.truth.at<float>(0, 0) = kNan;
+  scene.visible = cv::Mat(16, 16, CV_8UC1, cv::Scalar(255));
+  SceneMaps maps;
+  maps.disparity = cv::Mat(16, 16, CV_32FC1, cv::Scalar(9));
+  const auto expect_color = [&](float highest) {
+    writePictures(folder.file(""), scene, maps);
+    const cv::Vec3b color = readColorImage(folder.file("Scene_disparity.jpg")).at<cv::Vec3b>(8, 8);
+    const cv::Mat expected = colorizeDisparity(maps.disparity, 0.0F, highest, kInfinity);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(color[c], expected.at<cv::Vec3b>(8, 8)[c], 8) << highest;  // JPEG rounds
+    }
+  };
+  expect_color(9.0F);
+  scene.truth.setTo(kNan);
+  expect_color(19.0F);
+}
+
 TEST(Pictures, WithoutTruthAreOfTheMapsAlone) {
   const TemporaryFolder folder;
   StereoScene scene = makeScene();

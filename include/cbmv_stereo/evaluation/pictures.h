@@ -15,8 +15,9 @@ namespace cbmv {
 cv::Mat errorPicture(const StereoScene& scene, const cv::Mat& disparity);
 
 /// Writes SCENE_left.jpg, SCENE_disparity.jpg and, where they are known, SCENE_truth.jpg and
-/// SCENE_error.jpg, and SCENE_confidence.jpg. Disparities are coloured over the scene's range.
-/// Throws Error naming the file that cannot be written.
+/// SCENE_error.jpg, and SCENE_confidence.jpg. Disparities are coloured from 0 to the highest true
+/// one, or over the scene's range where none is known. Throws Error naming the file that cannot be
+/// written.
 void writePictures(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
 
 }  // namespace cbmv
