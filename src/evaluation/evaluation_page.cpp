@@ -46,6 +46,7 @@ std::string readAll(int descriptor) {
 /// Without a shell. The first word is the program's path.
 Outcome runProgram(std::vector<std::string> words) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) {
     arguments.push_back(word.data());
   }
