@@ -19,6 +19,7 @@
 #include "cbmv_stereo/evaluation/evaluation.h"
 #include "cbmv_stereo/evaluation/evaluation_page.h"
 #include "cbmv_stereo/evaluation/folds.h"
+#include "cbmv_stereo/evaluation/opencv_baseline.h"
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/evaluation/submission.h"
 #include "cbmv_stereo/forest/forest_file.h"
@@ -30,6 +31,7 @@ struct Arguments {
   std::string data_set, forest, disparities, preset, maps, json, csv, markdown, report, submission;
   int folds = 0;
   bool resume = false;
+  bool stereo_sgbm = false;
   cbmv::SceneFilter filter;
   cbmv::StereoOptions options;
   cbmv::TrainingOptions training;
@@ -76,6 +78,11 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   }
   if (!arguments.disparities.empty()) {
     evaluation.source = cbmv::fileSource(arguments.disparities);
+    return evaluation;
+  }
+  if (arguments.stereo_sgbm) {
+    evaluation.source = cbmv::stereoSgbmSource();
+    evaluation.report.fingerprint = cbmv::fingerprintOf(data_set.title() + "StereoSGBM");
     return evaluation;
   }
   std::string settings = data_set.title() + cbmv::describeOptions(arguments.options);
@@ -225,10 +232,14 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
   source->add_option("--folds", arguments.folds,
                      "3: train the folds of the paper on Middlebury v3 and match each scene with "
                      "the forest that did not see it");
+  CLI::Option* baseline = source->add_flag(
+      "--stereo-sgbm", arguments.stereo_sgbm,
+      "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
   app.add_option("--preset", arguments.preset,
                  "YAML file of parameters; the disparities searched are those of the scene")
-      ->excludes(disparities);
+      ->excludes(disparities)
+      ->excludes(baseline);
   app.add_flag("--resume", arguments.resume,
                "Keep the scenes that FILE of --json, or the report, holds already, of the same "
                "forest and settings")

@@ -84,9 +84,10 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_option(
-         "--objective", request.metrics,
+         "--objective", request.objectives,
          "Mean error over non-occluded pixels that is lowered: bad_0.5, bad_1, bad_2, bad_3, "
-         "avg, …; one, or one for each data set, separated by commas")
+         "avg, …, or a sum of such, bad_1+bad_4; one, or one for each data set, separated by "
+         "commas")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--evaluations", request.search.evaluations, "Presets that are tried")
@@ -118,7 +119,7 @@ int main(int argc, char** argv) {
       "ground "
       "truth, and writes them as a preset"};
   Arguments arguments;
-  arguments.request.metrics = {"bad_1"};
+  arguments.request.objectives = {"bad_1"};
   cbmv::addDataSetOption(app, arguments.data_sets);
   cbmv::addSceneOptions(app, arguments.filter);
   CLI::Option_group* forests = app.add_option_group("Forests", "One of these");

@@ -32,18 +32,19 @@ std::vector<std::string> dataSetsOf(const std::vector<SceneReference>& scenes) {
   return names;
 }
 
-/// Index in kMetrics for each data set.
-Indices findMetrics(const std::vector<std::string>& names, std::size_t data_sets) {
+/// For each data set.
+std::vector<ErrorSum> parseObjectives(const std::vector<std::string>& names,
+                                      std::size_t data_sets) {
   if (names.size() != 1 && names.size() != data_sets) {
     throw Error("there are " + std::to_string(names.size()) + " objectives and " +
                 std::to_string(data_sets) + " data sets; it must be one for all, or one for each");
   }
-  Indices metrics;
+  std::vector<ErrorSum> objectives;
   for (const std::string& name : names) {
-    metrics.push_back(findErrorMetric(name));
+    objectives.push_back(parseErrorSum(name));
   }
-  metrics.resize(data_sets, metrics.front());
-  return metrics;
+  objectives.resize(data_sets, objectives.front());
+  return objectives;
 }
 
 void requireFolds(const std::vector<SceneReference>& scenes) {
@@ -96,7 +97,7 @@ class Tuner {
   Tuner(const TuningRequest& request, const TuningEvents& events)
       : request_(request), events_(events), space_(request.parameters) {
     const std::vector<std::string> data_sets = dataSetsOf(request.scenes);
-    const Indices metrics = findMetrics(request.metrics, data_sets.size());
+    const std::vector<ErrorSum> objectives = parseObjectives(request.objectives, data_sets.size());
     if (request.cross_validate) {
       requireFolds(request.scenes);
     }
@@ -107,7 +108,7 @@ class Tuner {
     for (const SceneReference& scene : request.scenes) {
       const auto found = std::find(data_sets.begin(), data_sets.end(), scene.data_set.name());
       const std::size_t data_set = found - data_sets.begin();
-      prepare(scene, data_set, metrics[data_set]);
+      prepare(scene, data_set, objectives[data_set]);
     }
   }
 
@@ -127,14 +128,14 @@ class Tuner {
   }
 
  private:
-  void prepare(const SceneReference& scene, std::size_t data_set, std::size_t metric) {
+  void prepare(const SceneReference& scene, std::size_t data_set, const ErrorSum& errors) {
     const std::shared_ptr<const Forest> forest = forestForScene(request_.forests, scene);
     scenes_.push_back(prepareScene(scene, *forest, request_.start.rectification, request_.rows));
     scenes_.back().data_set = data_set;
-    scenes_.back().metric = metric;
+    scenes_.back().errors = errors;
     TunedDataSet& described = report_.data_sets[data_set];
     described.title = scene.data_set.title();
-    described.metric = kMetrics[metric].name;
+    described.objective = errors.name;
     described.scenes.push_back(scene.scene);
     if (std::count(report_.forests.begin(), report_.forests.end(), forest->name) == 0) {
       report_.forests.push_back(forest->name);

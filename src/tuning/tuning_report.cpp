@@ -39,7 +39,7 @@ std::string wrap(const std::string& paragraph) {
 
 std::string describe(const TunedDataSet& data_set) {
   std::ostringstream text;
-  text << std::fixed << std::setprecision(3) << data_set.title << ", " << data_set.metric << ": "
+  text << std::fixed << std::setprecision(3) << data_set.title << ", " << data_set.objective << ": "
        << data_set.before << " before, " << data_set.after << " after";
   if (!std::isnan(data_set.cross_validated)) {
     text << ", " << data_set.cross_validated

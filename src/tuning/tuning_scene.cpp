@@ -1,6 +1,7 @@
 #include "cbmv_stereo/tuning/tuning_scene.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/disparity_source.h"
@@ -27,8 +28,6 @@ void keepMiddleRows(int rows, StereoScene& scene) {
   }
 }
 
-}  // namespace
-
 std::size_t findErrorMetric(const std::string& name) {
   std::string known;
   for (std::size_t m = 0; m < kMetrics.size(); ++m) {
@@ -41,6 +40,25 @@ std::size_t findErrorMetric(const std::string& name) {
     known += (known.empty() ? "" : ", ") + std::string(kMetrics[m].name);
   }
   throw Error("objective " + name + ": there is no such error, it must be one of " + known);
+}
+
+}  // namespace
+
+double ErrorSum::of(const MetricValues& values) const {
+  return std::accumulate(metrics.begin(), metrics.end(), 0.0,
+                         [&](double sum, std::size_t metric) { return sum + values[metric]; });
+}
+
+ErrorSum parseErrorSum(const std::string& name) {
+  ErrorSum errors{name, {}};
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  do {
+    end = std::min(name.find('+', begin), name.size());
+    errors.metrics.push_back(findErrorMetric(name.substr(begin, end - begin)));
+    begin = end + 1;
+  } while (end < name.size());
+  return errors;
 }
 
 std::shared_ptr<const Forest> forestForScene(
@@ -80,7 +98,7 @@ double TuningScorer::error(const TuningScene& scene, const StereoOptions& option
   SceneMaps maps = toSceneMaps(result);
   maps.confidence.release();  // its score takes time and does not count
   try {
-    return scoreScene(scene.scene, maps).noc[scene.metric];
+    return scene.errors.of(scoreScene(scene.scene, maps).noc);
   } catch (const Error& error) {
     throw Error("scene " + scene.scene.name + ": " + error.what());
   }

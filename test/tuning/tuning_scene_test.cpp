@@ -1,5 +1,8 @@
 #include "cbmv_stereo/tuning/tuning_scene.h"
 
+#include <map>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "support/error_text.h"
@@ -42,14 +45,18 @@ TEST_F(TuningSceneTest, ErrorIsThatOfTheWholeMatcher) {
   TuningScorer scorer;
   StereoOptions options;
   options.sgm.p2 = 4;
-  for (const char* metric : {"bad_0.5", "bad_3", "avg"}) {
+  for (const char* objective : {"bad_0.5", "bad_1+bad_4", "avg"}) {
     for (const SceneReference& reference : scenes_) {
       TuningScene scene = prepareScene(reference, *forest_, options.rectification, 0);
-      scene.metric = findErrorMetric(metric);
+      scene.errors = parseErrorSum(objective);
       const StereoScene pair = reference.read();
       const SceneScore score = scoreScene(pair, matchingSource(forest_, options)(pair));
-      EXPECT_EQ(scorer.error(scene, options), score.noc[scene.metric]) << reference.scene;
-      EXPECT_EQ(scorer.error(scene, options), score.noc[scene.metric]) << "the volume has changed";
+      const double expected = std::map<std::string, double>{
+          {"bad_0.5", score.noc[0]},
+          {"bad_1+bad_4", score.noc[1] + score.noc[4]},
+          {"avg", score.noc[6]}}.at(objective);
+      EXPECT_EQ(scorer.error(scene, options), expected) << reference.scene;
+      EXPECT_EQ(scorer.error(scene, options), expected) << "the volume has changed";
     }
   }
 }
@@ -81,8 +88,9 @@ TEST_F(TuningSceneTest, TakesAForestThatDidNotSeeTheScene) {
 }
 
 TEST_F(TuningSceneTest, NamesWhatIsWrong) {
-  EXPECT_TRUE(mentions(errorText([] { findErrorMetric("bad_7"); }), {"bad_7", "bad_0.5", "avg"}));
-  EXPECT_TRUE(mentions(errorText([] { findErrorMetric("auc"); }), {"auc", "rms"}));
+  EXPECT_TRUE(
+      mentions(errorText([] { parseErrorSum("bad_1+bad_7"); }), {"bad_7", "bad_0.5", "avg"}));
+  EXPECT_TRUE(mentions(errorText([] { parseErrorSum("auc"); }), {"auc", "rms"}));
   TuningScene scene = prepareScene(scenes_[1], *forest_, {}, 0);
   scene.scene.visible.setTo(0);
   EXPECT_TRUE(mentions(errorText([&] { TuningScorer().error(scene, {}); }), {"scene Two"}));

@@ -28,7 +28,7 @@ class TuningTest : public testing::Test {
     Forest forest = readForest(CBMV_SOURCE_DIR "/models/middlebury.forest");
     forest.provenance.scenes.clear();  // the rendered scenes are others
     request_.forests = {std::make_shared<Forest>(forest)};
-    request_.metrics = {"bad_1"};
+    request_.objectives = {"bad_1"};
     request_.parameters = {"P1", "P2", "cbca_iterations_after"};
     request_.start.sgm.p1 = 0.05F;
     request_.start.sgm.p2 = 0.5F;
@@ -99,11 +99,11 @@ TEST_F(TuningTest, WeighsDataSetsByTheErrorAtTheStart) {
   writeScene(folder_.file("other/Mine"), renderScene(80, 40, 9));
   const DataSet other = DataSet::open("eth3d:" + folder_.file("other"));
   request_.scenes.push_back({other, "Mine"});
-  request_.metrics = {"bad_1", "avg"};
+  request_.objectives = {"bad_1", "avg"};
   request_.search.evaluations = 2;
   const TuningReport report = run();
   ASSERT_EQ(report.data_sets.size(), 2U);
-  EXPECT_EQ(report.data_sets[1].metric, "avg");
+  EXPECT_EQ(report.data_sets[1].objective, "avg");
   EXPECT_EQ(report.data_sets[1].scenes, std::vector<std::string>{"Mine"});
   request_.cross_validate = true;
   EXPECT_TRUE(mentions(errorText([&] { run(); }), {"other", "Middlebury v3"}));
@@ -111,7 +111,7 @@ TEST_F(TuningTest, WeighsDataSetsByTheErrorAtTheStart) {
 
 TEST_F(TuningTest, NamesWhatIsWrongWithTheRequest) {
   TuningRequest request = request_;
-  request.metrics = {"bad_1", "bad_3"};
+  request.objectives = {"bad_1", "bad_3"};
   EXPECT_TRUE(
       mentions(errorText([&] { tune(request, events_); }), {"2 objectives", "1 data sets"}));
   request = request_;

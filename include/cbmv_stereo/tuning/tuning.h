@@ -16,7 +16,8 @@ namespace cbmv {
 struct TuningRequest {
   std::vector<SceneReference> scenes;
   std::vector<std::shared_ptr<const Forest>> forests;  ///< see forestForScene
-  std::vector<std::string> metrics;  ///< one for all data sets, or one for each in their order
+  /// See parseErrorSum; one for all data sets, or one for each in their order.
+  std::vector<std::string> objectives;
   std::vector<std::string> parameters = defaultSearchParameters();
   StereoOptions start;  ///< its range is not used; threads are
   std::string start_name = "the defaults";

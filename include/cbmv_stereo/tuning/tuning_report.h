@@ -11,7 +11,7 @@ namespace cbmv {
 /// Mean errors over the scenes of one data set.
 struct TunedDataSet {
   std::string title;
-  std::string metric;  ///< name in kMetrics
+  std::string objective;  ///< names in kMetrics, joined by +
   std::vector<std::string> scenes;
   double before = 0;  ///< with the preset that the search began with
   double after = 0;   ///< with the preset that was found

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cbmv_stereo/evaluation/scene_score.h"
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
@@ -13,9 +14,17 @@
 
 namespace cbmv {
 
-/// Index in kMetrics of an error that can be searched for: a name of kMetrics, but those of the
-/// confidence. Throws Error that lists the names.
-std::size_t findErrorMetric(const std::string& name);
+/// Errors whose sum is lowered.
+struct ErrorSum {
+  std::string name;                  ///< as given: bad_1+bad_4
+  std::vector<std::size_t> metrics;  ///< in kMetrics
+
+  double of(const MetricValues& values) const;
+};
+
+/// The errors of `name`: a name of kMetrics, but those of the confidence, or several joined by +.
+/// Throws Error that lists the names.
+ErrorSum parseErrorSum(const std::string& name);
 
 /// The first of the forests that was not trained on the scene, by name and data set. Throws Error
 /// that names the scene when there is none: a volume by a forest that knows the answer is better
@@ -27,7 +36,7 @@ std::shared_ptr<const Forest> forestForScene(
 /// tuned.
 struct TuningScene {
   std::size_t data_set = 0;  ///< any number that tells the data sets apart
-  std::size_t metric = 0;    ///< in kMetrics: the error that counts
+  ErrorSum errors;           ///< what counts
   StereoScene scene;         ///< the right image aligned; without left_color
   MatchingVolume volume;     ///< of the left view, over 0 … calibration.disparities − 1
 };
@@ -40,7 +49,7 @@ TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
 /// Scores scenes; holds the buffers for that.
 class TuningScorer {
  public:
-  /// The scene's error by its metric over the non-occluded pixels, with these options over the
+  /// The scene's error sum over the non-occluded pixels, with these options over the
   /// scene's own range. Throws Error that names the scene when no true disparity is known there.
   double error(const TuningScene& scene, const StereoOptions& options);
 

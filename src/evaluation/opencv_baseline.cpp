@@ -1,0 +1,63 @@
+#include "cbmv_stereo/evaluation/opencv_baseline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <limits>
+#include <vector>
+
+#include <opencv2/calib3d.hpp>
+
+namespace cbmv {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::infinity();
+constexpr int kBlockPx = 5;
+
+cv::Ptr<cv::StereoSGBM> makeMatcher(int disparities) {
+  constexpr int kMultiple = 16;
+  const int rounded = (disparities + kMultiple - 1) / kMultiple * kMultiple;
+  constexpr int kArea = kBlockPx * kBlockPx;
+  return cv::StereoSGBM::create(0, rounded, kBlockPx, 8 * kArea, 32 * kArea, 1, 63, 10, 100, 2);
+}
+
+/// For each column the nearest known value at it or before it in the direction of the iterators.
+template <typename In, typename Out>
+void carryKnown(In begin, In end, Out out) {
+  float known = kUnknown;
+  for (; begin != end; ++begin, ++out) {
+    known = *begin == kUnknown ? known : *begin;
+    *out = known;
+  }
+}
+
+void fillHoles(cv::Mat& disparity) {
+  std::vector<float> from_left(disparity.cols);
+  std::vector<float> from_right(disparity.cols);
+  for (int y = 0; y < disparity.rows; ++y) {
+    auto* row = disparity.ptr<float>(y);
+    carryKnown(row, row + disparity.cols, from_left.begin());
+    carryKnown(std::make_reverse_iterator(row + disparity.cols), std::make_reverse_iterator(row),
+               from_right.rbegin());
+    std::transform(from_left.begin(), from_left.end(), from_right.begin(), row,
+                   [](float left, float right) { return std::min(left, right); });
+  }
+}
+
+SceneMaps matchScene(const StereoScene& scene) {
+  const auto start = std::chrono::steady_clock::now();
+  cv::Mat sixteenths;
+  makeMatcher(scene.calibration.disparities)->compute(scene.left, scene.right, sixteenths);
+  SceneMaps maps;
+  sixteenths.convertTo(maps.disparity, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE);
+  maps.disparity.setTo(kUnknown, sixteenths < 0);
+  fillHoles(maps.disparity);
+  maps.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return maps;
+}
+
+}  // namespace
+
+DisparitySource stereoSgbmSource() { return matchScene; }
+
+}  // namespace cbmv
