@@ -1,4 +1,4 @@
-# The ROS-free library `cbmv`: every folder of src but ros and tools.
+# The ROS-free library `cbmv`: every folder of src but training, ros and tools.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
@@ -20,7 +20,7 @@ if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
 endif()
 
 set(CBMV_STAGES rectification matching confidence forest volume optimization refinement pipeline
-    io evaluation training)
+    io evaluation)
 set(CBMV_SOURCES)
 foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
@@ -33,7 +33,22 @@ target_include_directories(cbmv PUBLIC
 target_include_directories(cbmv SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
 # The vector code includes itself once per instruction set, by its path below src.
 target_include_directories(cbmv PRIVATE ${PROJECT_SOURCE_DIR}/src)
-target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}" ${CBMV_HIGHWAY_OPTIONS})
+target_compile_definitions(cbmv PRIVATE ${CBMV_HIGHWAY_OPTIONS})
 target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
   PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
+
+# Training, for the command-line programs alone: no node has to load XGBoost. Debian's
+# CMake files for it want its program too, which is of no use here.
+find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
+find_library(XGBOOST_LIBRARY xgboost)
+if(NOT XGBOOST_INCLUDE_DIR OR NOT XGBOOST_LIBRARY)
+  message(FATAL_ERROR "XGBoost's library is missing: install libxgboost-dev")
+endif()
+add_library(xgboost_c_api UNKNOWN IMPORTED)
+set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
+                      INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
+file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp)
+add_library(cbmv_training STATIC ${training_sources})
+target_compile_definitions(cbmv_training PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
+target_link_libraries(cbmv_training PUBLIC cbmv PRIVATE xgboost_c_api TBB::tbb)

@@ -1,4 +1,5 @@
-# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the core only.
+# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the core, and with
+# the training where it trains.
 find_package(CLI11 REQUIRED)
 
 set(CBMV_TOOLS)
@@ -8,4 +9,7 @@ foreach(tool_source ${tool_sources})
   add_executable(${tool} ${tool_source})
   target_link_libraries(${tool} PRIVATE cbmv CLI11::CLI11)
   list(APPEND CBMV_TOOLS ${tool})
+endforeach()
+foreach(tool cbmv_eval cbmv_train)
+  target_link_libraries(${tool} PRIVATE cbmv_training)
 endforeach()

@@ -16,6 +16,7 @@
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/training/cross_validation.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/error.h"
+#include "training_checks.h"
 
 namespace cbmv {
 namespace {
@@ -78,8 +78,7 @@ class Booster {
     double loss = 0;
     std::size_t count = 0;
     for (std::size_t n = 0; n < labels_.size(); n += options_.held_out_every, ++count) {
-      const double probability = logistic(bias_ + options_.leaf_unit * scores_[n]);
-      loss -= std::log(std::max(1e-12, labels_[n] == 1 ? probability : 1 - probability));
+      loss += logLoss(logistic(bias_ + options_.leaf_unit * scores_[n]), labels_[n]);
     }
     return loss / static_cast<double>(count);
   }
@@ -189,26 +188,16 @@ class Booster {
 };
 
 void checkOptions(const Samples& samples, const BoostingOptions& options) {
-  const auto require = [](bool good, const std::string& sentence) {
-    if (!good) {
-      throw Error("training: " + sentence);
-    }
-  };
-  require(options.leaf_unit > 0 && options.regularization >= 0 && options.held_out_every >= 2,
-          "leaf unit, regularization and held-out step must be positive");
-  std::array<long, 2> counts{};
-  for (long n = 0; n < samples.count(); ++n) {
-    counts[samples.labels[n]] += n % options.held_out_every == 0 ? 0 : 1;
-  }
-  require(counts[0] > 0 && counts[1] > 0, "correct and wrong samples are both needed, there are " +
-                                              std::to_string(counts[1]) + " and " +
-                                              std::to_string(counts[0]) + " to train on");
-  require(options.trees >= 1 && options.trees <= Forest::kMaxTrees,
-          "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
-  require(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
-          "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
-  require(options.learning_rate > 0 && options.learning_rate <= 1,
-          "the learning rate must be in (0, 1]");
+  requireForTraining(options.leaf_unit > 0 && options.regularization >= 0,
+                     "leaf unit and regularization must be positive");
+  requireBothClasses(samples, options.held_out_every);
+  requireForTraining(
+      options.trees >= 1 && options.trees <= Forest::kMaxTrees,
+      "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
+  requireForTraining(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
+                     "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
+  requireForTraining(options.learning_rate > 0 && options.learning_rate <= 1,
+                     "the learning rate must be in (0, 1]");
 }
 
 }  // namespace

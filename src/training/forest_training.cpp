@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cbmv_stereo/training/sampling.h"
-
 namespace cbmv {
 namespace {
 
@@ -31,8 +29,41 @@ std::string dataSetTitles(const std::vector<SceneReference>& scenes) {
   return text;
 }
 
+Forest trainOblivious(const Samples& samples, const BoostingOptions& options,
+                      const TrainingReport& report) {
+  return trainForest(samples, options, [&](int tree, double log_loss) {
+    if (tree % 8 == 0 || tree == options.trees) {
+      std::ostringstream line;
+      line << "tree " << tree << " of " << options.trees << ", held-out log-loss " << log_loss;
+      report(line.str());
+    }
+  });
+}
+
+}  // namespace
+
+std::string describe(const TrainingOptions& options) {
+  std::ostringstream text;
+  if (options.kind == ForestKind::kOblivious) {
+    const BoostingOptions& boosting = options.boosting;
+    text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
+         << boosting.learning_rate << ", regularization " << boosting.regularization;
+  } else {
+    const RandomForestOptions& forest = options.random_forest;
+    text << "random forest, trees " << forest.trees << ", samples per leaf "
+         << forest.samples_per_leaf << ", features per split " << forest.features_per_split
+         << ", part of the samples per tree " << forest.samples_per_tree;
+  }
+  text << ", pixels per scene " << options.pixels_per_scene << ", rectification refinement "
+       << (options.rectification.enabled ? "on" : "off");
+  return text.str();
+}
+
 Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
-                    const std::function<void(const std::string&)>& report) {
+                    const TrainingReport& report) {
+  for (const SceneReference& scene : scenes) {
+    scene.read();  // refuses before hours are spent
+  }
   Samples samples;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     appendSamples(preparePair(scenes[s].read(), options.rectification), options.pixels_per_scene,
@@ -43,32 +74,11 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
   return samples;
 }
 
-}  // namespace
-
-std::string describe(const TrainingOptions& options) {
-  const BoostingOptions& boosting = options.boosting;
-  std::ostringstream text;
-  text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
-       << boosting.learning_rate << ", regularization " << boosting.regularization
-       << ", pixels per scene " << options.pixels_per_scene << ", rectification refinement "
-       << (options.rectification.enabled ? "on" : "off");
-  return text.str();
-}
-
-Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
-                     const std::function<void(const std::string&)>& report) {
-  for (const SceneReference& scene : scenes) {
-    scene.read();  // refuses before hours are spent
-  }
-  const Samples samples = drawSamples(scenes, options, report);
-  Forest forest = trainForest(samples, options.boosting, [&](int tree, double log_loss) {
-    if (tree % 8 == 0 || tree == options.boosting.trees) {
-      std::ostringstream line;
-      line << "tree " << tree << " of " << options.boosting.trees << ", held-out log-loss "
-           << log_loss;
-      report(line.str());
-    }
-  });
+Forest trainOnSamples(const Samples& samples, const std::vector<SceneReference>& scenes,
+                      const TrainingOptions& options, const TrainingReport& report) {
+  Forest forest = options.kind == ForestKind::kOblivious
+                      ? trainOblivious(samples, options.boosting, report)
+                      : trainRandomForest(samples, options.random_forest, options.seed);
   forest.provenance.program = "cbmv_train " CBMV_VERSION;
   forest.provenance.data_set = dataSetTitles(scenes);
   for (const SceneReference& scene : scenes) {
@@ -77,6 +87,11 @@ Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOp
   forest.provenance.options = describe(options);
   forest.provenance.seed = options.seed;
   return forest;
+}
+
+Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                     const TrainingReport& report) {
+  return trainOnSamples(drawSamples(scenes, options, report), scenes, options, report);
 }
 
 }  // namespace cbmv
