@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -30,9 +31,9 @@ inline std::int64_t integerIn(const Json& value, std::int64_t lowest, std::int64
 /// Not yet validated: the children of a node may be anywhere.
 inline DecisionTree::Node innerNode(const Json& feature, const Json& threshold, const Json& low,
                                     const Json& high) {
-  constexpr std::int64_t kLastNode = 0xffffffff;
   const auto child = [](const Json& place) {
-    return static_cast<std::uint32_t>(integerIn(place, 0, kLastNode, "the place of a node"));
+    return static_cast<std::uint32_t>(
+        integerIn(place, 0, std::numeric_limits<std::uint32_t>::max(), "the place of a node"));
   };
   return {threshold.get<float>(),
           static_cast<std::uint8_t>(integerIn(feature, 0, kFeatureCount - 1, "a tree's feature")),
