@@ -1,4 +1,5 @@
-# The ROS-free library `cbmv`: every folder of src but training, ros and tools.
+# The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools; of evaluation
+# all but the folds, which train.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
@@ -26,6 +27,8 @@ foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
   list(APPEND CBMV_SOURCES ${stage_sources})
 endforeach()
+set(CBMV_TRAINING_EVALUATION ${PROJECT_SOURCE_DIR}/src/evaluation/folds.cpp)
+list(REMOVE_ITEM CBMV_SOURCES ${CBMV_TRAINING_EVALUATION})
 
 add_library(cbmv SHARED ${CBMV_SOURCES})
 target_include_directories(cbmv PUBLIC
@@ -38,8 +41,8 @@ target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
   PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
 
-# Training, for the command-line programs alone: no node has to load XGBoost. Debian's
-# CMake files for it want its program too, which is of no use here.
+# Training and tuning, for the command-line programs alone: no node has to load XGBoost and NLopt.
+# Debian's CMake files for XGBoost want its program too, which is of no use here.
 find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
 find_library(XGBOOST_LIBRARY xgboost)
 if(NOT XGBOOST_INCLUDE_DIR OR NOT XGBOOST_LIBRARY)
@@ -48,7 +51,10 @@ endif()
 add_library(xgboost_c_api UNKNOWN IMPORTED)
 set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
                       INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
-file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp)
-add_library(cbmv_training STATIC ${training_sources})
+find_package(NLopt REQUIRED)
+file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp
+     ${PROJECT_SOURCE_DIR}/src/tuning/*.cpp)
+add_library(cbmv_training STATIC ${training_sources} ${CBMV_TRAINING_EVALUATION})
 target_compile_definitions(cbmv_training PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
-target_link_libraries(cbmv_training PUBLIC cbmv PRIVATE xgboost_c_api TBB::tbb)
+target_link_libraries(cbmv_training PUBLIC cbmv
+  PRIVATE xgboost_c_api NLopt::nlopt nlohmann_json::nlohmann_json TBB::tbb)

@@ -1,5 +1,5 @@
-# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the core, and with
-# the training where it trains.
+# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the core, and with the training
+# where it trains.
 find_package(CLI11 REQUIRED)
 
 set(CBMV_TOOLS)
@@ -10,6 +10,6 @@ foreach(tool_source ${tool_sources})
   target_link_libraries(${tool} PRIVATE cbmv CLI11::CLI11)
   list(APPEND CBMV_TOOLS ${tool})
 endforeach()
-foreach(tool cbmv_eval cbmv_train)
+foreach(tool cbmv_eval cbmv_train cbmv_tune)
   target_link_libraries(${tool} PRIVATE cbmv_training)
 endforeach()

@@ -140,7 +140,11 @@ void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
   forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
     const auto cost = loadCosts(tag, line + x, c.cost_unit);
     const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
-    sink(tag, kCost, x, c.logarithmic_cost ? log_cost : cost);
+    if (c.logarithmic_cost) {
+      sink(tag, kCost, x, log_cost);
+    } else {
+      sink(tag, kCost, x, cost);
+    }
     const auto left_ratio = hn::Sub(hn::LoadU(tag, left.log_lowest_cost + x), log_cost);
     const auto right_ratio = hn::Sub(hn::LoadU(tag, right.log_lowest_cost + x), log_cost);
     sink(tag, kRatioLow, x, hn::Min(left_ratio, right_ratio));

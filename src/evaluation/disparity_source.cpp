@@ -6,7 +6,6 @@
 
 #include "../io/scene_files.h"
 
-#include "cbmv_stereo/error.h"
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -22,11 +21,7 @@ SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
   StereoOptions options = matcher.options();
   options.range = {0, scene.calibration.disparities};
   matcher.setOptions(options);
-  const StereoResult result = matcher.match(scene.left, scene.right);
-  SceneMaps maps{result.disparity, result.confidence, result.times.total_ms / 1000.0};
-  maps.disparity.setTo(std::numeric_limits<float>::infinity(),
-                       maps.disparity == options.range.invalid());
-  return maps;
+  return toSceneMaps(matcher.match(scene.left, scene.right));
 }
 
 SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
@@ -46,6 +41,13 @@ SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
 }
 
 }  // namespace
+
+SceneMaps toSceneMaps(const StereoResult& result) {
+  SceneMaps maps{result.disparity.clone(), result.confidence, result.times.total_ms / 1000.0};
+  maps.disparity.setTo(std::numeric_limits<float>::infinity(),
+                       maps.disparity == result.range.invalid());
+  return maps;
+}
 
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options) {
   const auto matcher = std::make_shared<StereoMatcher>(std::move(forest), options);

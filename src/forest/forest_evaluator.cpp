@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "simd/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
@@ -18,24 +20,23 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
-/// Hypotheses whose codes are kept together in the first-level cache; a multiple of four vectors.
-constexpr int kBlock = 256;
+constexpr int kBlock = PackedTree::kBlock;
 struct Block {
-  alignas(
-      64) std::int8_t codes[kFeatureCount][kBlock];  ///< minus 128: signed bytes compare fastest
+  /// Minus 128 and signed: such bytes compare fastest.
+  alignas(64) std::uint8_t codes[kFeatureCount][kBlock];
   alignas(64) std::uint16_t sums[kBlock];
 };
 
 /// Answers of one level, for the hypotheses at `codes` (of feature 0) and behind.
-HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::int8_t* codes) {
+HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::uint8_t* codes) {
   const hn::RebindToSigned<Bytes> signed_bytes;
-  const auto code = hn::Load(signed_bytes, codes + tree.features[level] * kBlock);
+  const auto code = hn::BitCast(signed_bytes, hn::Load(Bytes(), codes + tree.lines[level]));
   return hn::RebindMask(Bytes(), hn::Lt(code, hn::Set(signed_bytes, tree.thresholds[level])));
 }
 
 /// Bits 0 … kLevels − 1 of the leaf's number.
 template <int kLevels>
-HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::int8_t* codes) {
+HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::uint8_t* codes) {
   const auto bit = hn::Set(Bytes(), 1U << (kLevels - 1));
   const auto is_below = isBelow(tree, kLevels - 1, codes);
   if constexpr (kLevels == 1) {
@@ -59,7 +60,7 @@ HWY_INLINE ByteVector lookUp128(const std::uint8_t* leaves, ByteVector number) {
 
 /// Leaf that each hypothesis falls into.
 template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
   const std::uint8_t* leaves = tree.leaves.data();
   if constexpr (kDepth <= 6) {
     const ByteVector number = leafNumber<kDepth>(tree, codes);
@@ -79,7 +80,7 @@ HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes)
 
 /// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
 template <int kLevels>
-HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
+HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::uint8_t* codes,
                                  ByteVector low_bits, const std::uint8_t* leaves) {
   if constexpr (kLevels == 4) {
     return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);
@@ -93,13 +94,13 @@ HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* code
 
 /// Leaf that each hypothesis falls into.
 template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
   return selectLeaf<kDepth>(tree, codes, leafNumber<4>(tree, codes), tree.leaves.data());
 }
 
 #endif
 
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
   switch (tree.depth) {
     case 4:
       return findLeaf<4>(tree, codes);
@@ -132,7 +133,7 @@ HWY_INLINE void storeSums(SumVector pairs, SumVector odd, std::uint16_t* sums) {
 void sumLeaves(const PackedTree* trees, std::size_t tree_count, int hypotheses, Block& block) {
   const int lanes = static_cast<int>(hn::Lanes(Bytes()));
   for (int first = 0; first < hypotheses; first += 2 * lanes) {
-    const std::int8_t* codes = block.codes[0] + first;
+    const std::uint8_t* codes = block.codes[0] + first;
     SumVector pairs0 = hn::Zero(Sums());
     SumVector pairs1 = pairs0;
     SumVector odd0 = pairs0;
@@ -149,9 +150,11 @@ void sumLeaves(const PackedTree* trees, std::size_t tree_count, int hypotheses, 
 void loadCodes(const std::array<const std::uint8_t*, kFeatureCount>& codes, int first, int count,
                Block& block) {
   for (int f = 0; f < kFeatureCount; ++f) {
-    for (int i = 0; i < count; ++i) {
-      block.codes[f][i] = static_cast<std::int8_t>(codes[f][first + i] - 128);
-    }
+    const std::uint8_t* from = codes[f] + first;
+    std::uint8_t* to = block.codes[f];
+    forLanes(Bytes(), 0, count, [=](auto tag, int i, int) HWY_ATTR {
+      hn::StoreU(hn::Xor(hn::LoadU(tag, from + i), hn::Set(tag, 0x80)), tag, to + i);
+    });
   }
 }
 
@@ -162,11 +165,10 @@ void evaluateForest(const std::vector<PackedTree>& trees, const std::uint8_t* co
                     const std::array<const std::uint8_t*, kFeatureCount>& codes, int count,
                     std::uint8_t* costs) {
   Block block{};
-  std::array<std::uint32_t, kBlock> sums;
   for (int first = 0; first < count; first += kBlock) {
     const int hypotheses = std::min(kBlock, count - first);
     loadCodes(codes, first, hypotheses, block);
-    sums.fill(0);
+    std::array<std::uint32_t, kBlock> sums{};
     for (std::size_t t = 0; t < trees.size(); t += kTreesPerSum) {
       sumLeaves(&trees[t], std::min(kTreesPerSum, trees.size() - t), hypotheses, block);
       for (int i = 0; i < hypotheses; ++i) {
@@ -196,7 +198,8 @@ PackedTree packTree(const ObliviousTree& tree) {
   packed.depth = std::max(depth, PackedTree::kLeastDepth);
   packed.thresholds.fill(-128);
   for (int level = 0; level < depth; ++level) {
-    packed.features[level] = tree.levels[level].feature;
+    packed.lines[level] =
+        static_cast<std::uint32_t>(tree.levels[level].feature) * PackedTree::kBlock;
     packed.thresholds[level] = static_cast<std::int8_t>(tree.levels[level].threshold - 128);
   }
   const std::int8_t lowest = *std::min_element(tree.leaves.begin(), tree.leaves.end());

@@ -4,36 +4,239 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "matching_row.h"
+#include "optimization/aggregation_rows.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "optimization/cross_based_aggregation.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "optimization/cost_vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+/// Sums of 16 bits are kept modulo 2^16, and beside them in one lane the sum of the rows' sums
+/// divided by 2^kLowBits, which tells the higher bits, and from bit kPixelsShift on the number of
+/// pixels.
+constexpr int kLowBits = 12;
+constexpr int kPixelsShift = 8;
+
+/// Combined arms of the hypotheses from `h` on; `arm` is 0 or 1, the first or second direction.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> combinedArms(Tag tag, const ArmRows& rows, int arm, int column, int h) {
+  const std::uint8_t* other = rows.other[arm] + column * rows.other_step + h;
+  return hn::Min(hn::Set(tag, rows.reference[arm][4 * column]), loadWidened(tag, other));
+}
+
+/// Lanes whose arm holds at least `length` pixels.
+template <class Tag, class ArmVector>
+HWY_INLINE hn::Mask<Tag> reaches(Tag tag, ArmVector arms, int length) {
+  return hn::RebindMask(tag, hn::Gt(arms, hn::Set(hn::RebindToSigned<Tag>(), length - 1)));
+}
+
+/// Adds the costs of the pixels that lie on the arms, the first one `step` further than `costs`,
+/// none beyond the `longest` arm, to the sums of two vectors of hypotheses.
+template <class Tag, typename Cost, class ArmVector>
+HWY_INLINE void addCostsOnArms(Tag tag, const Cost* costs, std::ptrdiff_t step, int longest,
+                               ArmVector arms0, ArmVector arms1, hn::Vec<Tag>& sums0,
+                               hn::Vec<Tag>& sums1) {
+  for (int k = 1; k <= longest; ++k) {
+    costs += step;
+    const auto costs0 = loadWidened(tag, costs);
+    const auto costs1 = loadWidened(tag, costs + hn::Lanes(tag));
+    sums0 = hn::Add(sums0, hn::IfThenElseZero(reaches(tag, arms0, k), costs0));
+    sums1 = hn::Add(sums1, hn::IfThenElseZero(reaches(tag, arms1, k), costs1));
+  }
+}
+
+/// Sums of a row and their number of pixels. `first` and `second`, whose sum may be too large for
+/// 16 bits, fit their lanes.
+template <class Tag>
+HWY_INLINE void storeSums(Tag tag, hn::Vec<Tag> first, hn::Vec<Tag> second, hn::Vec<Tag> pixels,
+                          hn::TFromD<Tag>* sums, std::ptrdiff_t pitch) {
+  const auto sum = hn::Add(first, second);
+  hn::Store(sum, tag, sums);
+  if constexpr (sizeof(hn::TFromD<Tag>) == 2) {
+    const auto carry = hn::IfThenElseZero(hn::Lt(sum, first), hn::Set(tag, 1U << (16 - kLowBits)));
+    const auto high = hn::Add(hn::ShiftRight<kLowBits>(sum), carry);
+    hn::Store(hn::Add(high, hn::ShiftLeft<kPixelsShift>(pixels)), tag, sums + pitch);
+  } else {
+    hn::Store(pixels, tag, sums + pitch);
+  }
+}
+
+template <typename Cost, typename Sum>
+HWY_INLINE void sumRow(const RowToSum<Cost, Sum> row) {
+  const LineTag<Sum> tag;
+  const hn::RebindToSigned<LineTag<Sum>> arm_tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  const auto one = hn::Set(arm_tag, 1);
+  for (int i = 0; i < row.columns; ++i) {
+    for (int h = 0; h < row.hypotheses; h += 2 * lanes) {
+      const Cost* costs = row.costs + i * row.pixel_step + h;
+      Sum* sums = row.sums + 2 * i * row.pitch + h;
+      const auto left0 = combinedArms(arm_tag, row.arms, 0, i, h);
+      const auto left1 = combinedArms(arm_tag, row.arms, 0, i, h + lanes);
+      auto left_sums0 = loadWidened(tag, costs);
+      auto left_sums1 = loadWidened(tag, costs + lanes);
+      addCostsOnArms(tag, costs, -row.pixel_step, row.arms.reference[0][4 * i], left0, left1,
+                     left_sums0, left_sums1);
+      const auto right0 = combinedArms(arm_tag, row.arms, 1, i, h);
+      const auto right1 = combinedArms(arm_tag, row.arms, 1, i, h + lanes);
+      auto right_sums0 = hn::Zero(tag);
+      auto right_sums1 = right_sums0;
+      addCostsOnArms(tag, costs, row.pixel_step, row.arms.reference[1][4 * i], right0, right1,
+                     right_sums0, right_sums1);
+      const auto pixels0 = hn::BitCast(tag, hn::Add(hn::Add(left0, right0), one));
+      const auto pixels1 = hn::BitCast(tag, hn::Add(hn::Add(left1, right1), one));
+      storeSums(tag, left_sums0, right_sums0, pixels0, sums, row.pitch);
+      storeSums(tag, left_sums1, right_sums1, pixels1, sums + lanes, row.pitch);
+    }
+  }
+}
+
+void sumRowOfBytes16(const RowToSum<std::uint8_t, std::uint16_t>& row) { sumRow(row); }
+void sumRowOfBytes32(const RowToSum<std::uint8_t, std::uint32_t>& row) { sumRow(row); }
+void sumRowOfWords16(const RowToSum<std::uint16_t, std::uint16_t>& row) { sumRow(row); }
+void sumRowOfWords32(const RowToSum<std::uint16_t, std::uint32_t>& row) { sumRow(row); }
+
+/// Adds the rows on one of the vertical arms to the sums and numbers of pixels of two vectors of
+/// hypotheses.
+template <class Tag>
+HWY_INLINE void addRowsOnArms(Tag tag, const RowToAverage<hn::TFromD<Tag>>& row, int arm,
+                              int column, int h, hn::Vec<Tag>& sums0, hn::Vec<Tag>& sums1,
+                              hn::Vec<Tag>& pixels0, hn::Vec<Tag>& pixels1) {
+  const hn::RebindToSigned<Tag> arm_tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  const auto arms0 = combinedArms(arm_tag, row.arms, arm, column, h);
+  const auto arms1 = combinedArms(arm_tag, row.arms, arm, column, h + lanes);
+  const int longest = row.arms.reference[arm][4 * column];
+  for (int k = 1; k <= longest; ++k) {
+    const auto* sums = row.rows[arm == 0 ? -k : k] + 2 * column * row.pitch + h;
+    const auto* pixels = sums + row.pitch;
+    const auto on_arm0 = reaches(tag, arms0, k);
+    const auto on_arm1 = reaches(tag, arms1, k);
+    sums0 = hn::Add(sums0, hn::IfThenElseZero(on_arm0, hn::Load(tag, sums)));
+    sums1 = hn::Add(sums1, hn::IfThenElseZero(on_arm1, hn::Load(tag, sums + lanes)));
+    pixels0 = hn::Add(pixels0, hn::IfThenElseZero(on_arm0, hn::Load(tag, pixels)));
+    pixels1 = hn::Add(pixels1, hn::IfThenElseZero(on_arm1, hn::Load(tag, pixels + lanes)));
+  }
+}
+
+/// sum / pixels to the nearest integer, halves up, for means of at most 16383 over at most 225
+/// pixels. In the upper bits is something else.
+///
+/// Exact: halves are exact in float, and the offset of an ulp takes them up; other quotients are at
+/// least 1/450 away from a half, further than offset and rounding can lift them. Adding 2^23 rounds
+/// to whole numbers and leaves them in the lower bits.
+template <class Integers>
+HWY_INLINE hn::Vec<Integers> divide(Integers tag, hn::Vec<Integers> sum, hn::Vec<Integers> pixels) {
+  const hn::RebindToFloat<Integers> real;
+  const auto quotient = hn::Div(hn::ConvertTo(real, sum), hn::ConvertTo(real, pixels));
+  const auto above_half = hn::Add(quotient, hn::Set(real, 1.0F / 1024));
+  return hn::BitCast(tag, hn::Add(above_half, hn::Set(real, 8388608.0F)));
+}
+
+/// Divides even and odd lanes apart, as lanes of 32 bits.
+HWY_INLINE void storeMeans(LineTag<std::uint16_t> tag, hn::Vec<LineTag<std::uint16_t>> sums,
+                           hn::Vec<LineTag<std::uint16_t>> pixels, int count,
+                           std::uint16_t* means) {
+  const hn::RepartitionToWide<hn::RebindToSigned<decltype(tag)>> wide;
+  const auto rows_high = hn::And(pixels, hn::Set(tag, (1U << kPixelsShift) - 1));
+  const auto rows_low = hn::Sub(sums, hn::ShiftLeft<kLowBits>(rows_high));
+  const auto high = hn::BitCast(
+      wide, hn::ShiftRight<16 - kLowBits>(hn::Add(rows_high, hn::ShiftRight<kLowBits>(rows_low))));
+  const auto low = hn::BitCast(wide, sums);
+  const auto number = hn::BitCast(wide, hn::ShiftRight<kPixelsShift>(pixels));
+  const auto even = hn::Set(wide, 0xffff);
+  const auto even_mean =
+      divide(wide, hn::Or(hn::And(low, even), hn::ShiftLeft<16>(high)), hn::And(number, even));
+  // The sums are below 2^22: `high` and `number` have no sign to extend.
+  const auto odd_low = hn::And(hn::ShiftRight<16>(low), even);
+  const auto odd_mean =
+      divide(wide, hn::Or(odd_low, hn::AndNot(even, high)), hn::ShiftRight<16>(number));
+  const auto both = hn::Or(hn::And(even_mean, even), hn::ShiftLeft<16>(odd_mean));
+  storeFirst(tag, hn::BitCast(tag, both), count, means);
+}
+
+/// In double, where the integers are exact up to 2^53.
+HWY_INLINE void storeMeans(LineTag<std::uint32_t> tag, hn::Vec<LineTag<std::uint32_t>> sums,
+                           hn::Vec<LineTag<std::uint32_t>> pixels, int count,
+                           std::uint16_t* means) {
+  HWY_ALIGN std::uint32_t sum[16];
+  HWY_ALIGN std::uint32_t number[16];
+  hn::Store(hn::Add(sums, hn::ShiftRight<1>(pixels)), tag, sum);
+  hn::Store(pixels, tag, number);
+  const int lanes = std::min(count, static_cast<int>(hn::Lanes(tag)));
+  for (int i = 0; i < lanes; ++i) {
+    means[i] = static_cast<std::uint16_t>(static_cast<double>(sum[i]) / number[i]);
+  }
+}
+
+template <typename Sum>
+HWY_INLINE void averageRow(const RowToAverage<Sum> row) {
+  const LineTag<Sum> tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  for (int i = 0; i < row.columns; ++i) {
+    for (int h = 0; h < row.hypotheses; h += 2 * lanes) {
+      const Sum* centre = row.rows[0] + 2 * i * row.pitch + h;
+      auto sums0 = hn::Load(tag, centre);
+      auto sums1 = hn::Load(tag, centre + lanes);
+      auto pixels0 = hn::Load(tag, centre + row.pitch);
+      auto pixels1 = hn::Load(tag, centre + row.pitch + lanes);
+      addRowsOnArms(tag, row, 0, i, h, sums0, sums1, pixels0, pixels1);
+      addRowsOnArms(tag, row, 1, i, h, sums0, sums1, pixels0, pixels1);
+      std::uint16_t* means = row.means + i * row.pixel_step + h;
+      storeMeans(tag, sums0, pixels0, row.hypotheses - h, means);
+      storeMeans(tag, sums1, pixels1, row.hypotheses - h - lanes, means + lanes);
+    }
+  }
+}
+
+void averageRow16(const RowToAverage<std::uint16_t>& row) { averageRow(row); }
+void averageRow32(const RowToAverage<std::uint32_t>& row) { averageRow(row); }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-/// A tile takes this many disparities of a pixel at a time: one cache line of costs.
-constexpr int kTileDisparities = 32;
-constexpr int kMinTileColumns = 32;
-/// Up to these arms, 31² costs of at most 16383 add up to less than 2^24.
-constexpr int kMaxFloatArm = 15;
+HWY_EXPORT(sumRowOfBytes16);
+HWY_EXPORT(sumRowOfBytes32);
+HWY_EXPORT(sumRowOfWords16);
+HWY_EXPORT(sumRowOfWords32);
+HWY_EXPORT(averageRow16);
+HWY_EXPORT(averageRow32);
+
+void sumRow(const RowToSum<std::uint8_t, std::uint16_t>& row) {
+  HWY_DYNAMIC_DISPATCH(sumRowOfBytes16)(row);
+}
+void sumRow(const RowToSum<std::uint8_t, std::uint32_t>& row) {
+  HWY_DYNAMIC_DISPATCH(sumRowOfBytes32)(row);
+}
+void sumRow(const RowToSum<std::uint16_t, std::uint16_t>& row) {
+  HWY_DYNAMIC_DISPATCH(sumRowOfWords16)(row);
+}
+void sumRow(const RowToSum<std::uint16_t, std::uint32_t>& row) {
+  HWY_DYNAMIC_DISPATCH(sumRowOfWords32)(row);
+}
+void averageRow(const RowToAverage<std::uint16_t>& row) { HWY_DYNAMIC_DISPATCH(averageRow16)(row); }
+void averageRow(const RowToAverage<std::uint32_t>& row) { HWY_DYNAMIC_DISPATCH(averageRow32)(row); }
 
 /// Channels of the arms.
 enum Arm { kLeftArm = 0, kRightArm = 1, kUpArm = 2, kDownArm = 3 };
-
-/// One element per disparity of the tile.
-template <typename Value>
-using Lane = std::array<Value, kTileDisparities>;
-
-/// Sum of the costs of a region in the low 32 bits, its number of pixels in the high ones: both are
-/// added and subtracted at once. A sum has at most 509² pixels of at most 16383 each: it fits.
-using Region = std::uint64_t;
-
-Region makeRegion(std::uint32_t sum, std::uint32_t pixels) {
-  return (static_cast<Region>(pixels) << 32) + sum;
-}
 
 /// Part of the volumes that is worked on at once: all rows of some columns and disparities.
 struct Tile {
@@ -41,83 +244,73 @@ struct Tile {
   cv::Range disparities;  // indices
 };
 
-/// Combined arms, in two opposite directions, of the hypotheses of a tile in one row.
-class CombinedArms {
+int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
+
+/// The arms of the other image, by channel, ordered such that those at the matching columns of a
+/// pixel's hypotheses are contiguous: mirrored for the left view, where the matching column falls
+/// as d grows. No arms outside of the other image: the region of such a hypothesis is itself, a
+/// copy.
+class MatchingArms {
  public:
-  CombinedArms(View view, const Tile& tile, const DisparityRange& range, Arm first, Arm second)
-      : channels_{first, second},
-        disparities_(tile.disparities.size()),
-        other_{MatchingRow<std::uint8_t>(view, tile.columns, part(range, tile)),
-               MatchingRow<std::uint8_t>(view, tile.columns, part(range, tile))} {}
-
-  void fillRow(const cv::Mat& reference_arms, const cv::Mat& other_arms, int y) {
-    reference_ = reference_arms.ptr<cv::Vec4b>(y);
-    const auto* other = other_arms.ptr<cv::Vec4b>(y);
-    for (std::size_t i = 0; i < 2; ++i) {
-      const int channel = channels_[i];
-      // No arms outside of the other image: the region of such a hypothesis is itself, a copy.
-      other_[i].fill(other_arms.cols, 0,
-                     [other, channel](int column) { return other[column][channel]; });
+  MatchingArms(const cv::Mat& arms, View view, const DisparityRange& range)
+      : width_(arms.cols), mirrored_(view == View::kLeft) {
+    std::array<cv::Mat, 4> channels;
+    cv::split(arms, channels.data());
+    const int size = arms.cols + range.count - 1 + static_cast<int>(kReadableBytesBeyond);
+    const cv::Range inside(std::clamp(range.min, 0, width_),
+                           std::clamp(range.min + size, 0, width_));
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      planes_[i] = cv::Mat::zeros(arms.rows, size, CV_8UC1);
+      if (mirrored_) {
+        cv::flip(channels[i], channels[i], 1);
+      }
+      if (!inside.empty()) {
+        channels[i].colRange(inside).copyTo(
+            planes_[i].colRange(inside.start - range.min, inside.end - range.min));
+      }
     }
   }
 
-  void setPixel(int x) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      shorter(reference_[x][channels_[i]], other_[i].hypotheses(x), disparities_,
-              lengths_[i].data());
-    }
+  /// Of the hypotheses of pixel (x, y).
+  const std::uint8_t* hypotheses(Arm arm, int y, int x) const {
+    return planes_[arm].ptr<std::uint8_t>(y) + (mirrored_ ? width_ - 1 - x : x);
   }
-
-  int first(int d) const { return lengths_[0][d]; }
-  int second(int d) const { return lengths_[1][d]; }
+  /// From one column to the next.
+  int step() const { return mirrored_ ? -1 : 1; }
 
  private:
-  static void shorter(std::uint8_t reference, const std::uint8_t* __restrict other, int count,
-                      std::uint8_t* __restrict lengths) {
-    for (int d = 0; d < count; ++d) {
-      lengths[d] = std::min(reference, other[d]);
-    }
-  }
-
-  static DisparityRange part(const DisparityRange& range, const Tile& tile) {
-    return {range.min + tile.disparities.start, tile.disparities.size()};
-  }
-
-  std::array<Arm, 2> channels_;
-  int disparities_;
-  const cv::Vec4b* reference_ = nullptr;
-  std::array<MatchingRow<std::uint8_t>, 2> other_;
-  std::array<Lane<std::uint8_t>, 2> lengths_{};
+  int width_;
+  bool mirrored_;
+  std::array<cv::Mat, 4> planes_;
 };
 
+template <typename Cost>
 struct Inputs {
-  const OptimizedVolume& costs;
+  const Volume<Cost>& costs;
   const cv::Mat& reference_arms;
-  const cv::Mat& other_arms;
-  View view;
-  DisparityRange range;
+  MatchingArms other_arms;
   int longest_arm_px;
 };
 
-/// Aggregates a tile from top to bottom: sums along the rows come from prefix sums over the
-/// columns, regions from prefix sums of those over the rows, of which a ring holds as many as arms
-/// can span.
+template <typename Value>
+using LineVector = std::vector<Value, CacheLineAllocator<Value>>;
+
+/// Aggregates a tile from top to bottom, first along the rows, then along the columns. Of the sums
+/// along the rows, a ring holds as many rows as arms can span.
+template <typename Cost, typename Sum>
 class TileAggregator {
  public:
-  TileAggregator(const Inputs& inputs, const Tile& tile)
+  /// `ring` is scratch.
+  TileAggregator(const Inputs<Cost>& inputs, const Tile& tile, LineVector<Sum>& ring)
       : inputs_(inputs),
         tile_(tile),
-        disparities_(tile.disparities.size()),
-        reach_(std::max(0, tile.columns.start - inputs.longest_arm_px),
-               std::min(inputs.costs.width(), tile.columns.end + inputs.longest_arm_px)),
-        ring_rows_(powerOfTwoFrom(2 * inputs.longest_arm_px + 2)),
-        row_pitch_(tile.columns.size() + 1),
-        row_prefix_(reach_.size() + 1),
-        rows_above_(inputs.longest_arm_px + 1),
-        rows_including_(inputs.longest_arm_px + 1),
-        ring_(static_cast<std::size_t>(ring_rows_) * row_pitch_),
-        horizontal_(inputs.view, tile, inputs.range, kLeftArm, kRightArm),
-        vertical_(inputs.view, tile, inputs.range, kUpArm, kDownArm) {}
+        ring_rows_(2 * inputs.longest_arm_px + 1),
+        pitch_(roundUp(tile.disparities.size(), 2 * kLine)),
+        row_size_(2 * pitch_ * tile.columns.size() + kLine),
+        ring_(ring),
+        rows_(ring_rows_) {
+    ring_.resize(std::max(ring_.size(), static_cast<std::size_t>(row_size_ * ring_rows_)));
+  }
 
   void run(OptimizedVolume& aggregated) {
     const int height = inputs_.costs.height();
@@ -127,138 +320,122 @@ class TileAggregator {
         appendRow(y);
       }
       if (y >= delay) {
-        if (inputs_.longest_arm_px <= kMaxFloatArm) {
-          averageRow<float>(y - delay, aggregated);
-        } else {
-          averageRow<double>(y - delay, aggregated);
-        }
+        averageRow(y - delay, aggregated);
       }
     }
   }
 
  private:
-  static int powerOfTwoFrom(int least) {
-    int power = 1;
-    while (power < least) {
-      power *= 2;
-    }
-    return power;
-  }
+  /// Elements of a cache line. One of them keeps the rows of the ring, often multiples of a power
+  /// of two, from competing for one part of the cache.
+  static constexpr std::ptrdiff_t kLine = 64 / sizeof(Sum);
 
-  /// Regions of the tile's first `rows` rows, one Lane a column.
-  Lane<Region>* regionsAbove(int rows) {
-    return ring_.data() + static_cast<std::size_t>(rows & (ring_rows_ - 1)) * row_pitch_;
-  }
+  /// `y` may lie one ring above the image.
+  Sum* ringRow(int y) { return ring_.data() + (y + ring_rows_) % ring_rows_ * row_size_; }
 
-  void sumPrefixes(int y) {
-    for (int i = 0; i < reach_.size(); ++i) {
-      addCosts(row_prefix_[i].data(),
-               inputs_.costs.pixel(y, reach_.start + i) + tile_.disparities.start, disparities_,
-               row_prefix_[i + 1].data());
-    }
-  }
-
-  static void addCosts(const std::uint32_t* __restrict sums, const std::uint16_t* __restrict costs,
-                       int count, std::uint32_t* __restrict new_sums) {
-    for (int d = 0; d < count; ++d) {
-      new_sums[d] = sums[d] + costs[d];
-    }
+  ArmRows arms(int y, Arm first, Arm second) const {
+    const int x = tile_.columns.start;
+    const std::uint8_t* reference = inputs_.reference_arms.template ptr<cv::Vec4b>(y)[x].val;
+    const auto other = [&](Arm arm) {
+      return inputs_.other_arms.hypotheses(arm, y, x) + tile_.disparities.start;
+    };
+    return {{reference + first, reference + second},
+            {other(first), other(second)},
+            inputs_.other_arms.step()};
   }
 
   void appendRow(int y) {
-    sumPrefixes(y);
-    horizontal_.fillRow(inputs_.reference_arms, inputs_.other_arms, y);
-    const Lane<Region>* above = regionsAbove(y);
-    Lane<Region>* including = regionsAbove(y + 1);
-    for (int x = tile_.columns.start; x < tile_.columns.end; ++x, ++above, ++including) {
-      horizontal_.setPixel(x);
-      const Lane<std::uint32_t>* prefix = &row_prefix_[x - reach_.start];
-      for (int d = 0; d < disparities_; ++d) {
-        const int left = horizontal_.first(d);
-        const int right = horizontal_.second(d);
-        const std::uint32_t sum = prefix[right + 1][d] - prefix[-left][d];
-        (*including)[d] = (*above)[d] + makeRegion(sum, left + 1 + right);
-      }
-    }
+    const int first = tile_.columns.start;
+    sumRow(RowToSum<Cost, Sum>{inputs_.costs.pixel(y, first) + tile_.disparities.start,
+                               inputs_.costs.disparities(), tile_.columns.size(),
+                               tile_.disparities.size(), arms(y, kLeftArm, kRightArm), ringRow(y),
+                               pitch_});
   }
 
-  template <typename Real>
   void averageRow(int y, OptimizedVolume& aggregated) {
-    vertical_.fillRow(inputs_.reference_arms, inputs_.other_arms, y);
-    for (std::size_t arm = 0; arm < rows_above_.size(); ++arm) {
-      const int length = static_cast<int>(arm);
-      rows_above_[arm] = regionsAbove(y - length);
-      rows_including_[arm] = regionsAbove(y + 1 + length);
+    const int longest = inputs_.longest_arm_px;
+    for (int k = -longest; k <= longest; ++k) {
+      rows_[k + longest] = ringRow(y + k);
     }
-    for (int x = tile_.columns.start; x < tile_.columns.end; ++x) {
-      vertical_.setPixel(x);
-      Lane<Region> regions;
-      const int column = x - tile_.columns.start;
-      for (int d = 0; d < disparities_; ++d) {
-        regions[d] = rows_including_[vertical_.second(d)][column][d] -
-                     rows_above_[vertical_.first(d)][column][d];
-      }
-      average<Real>(regions, aggregated.pixel(y, x) + tile_.disparities.start);
-    }
+    const int first = tile_.columns.start;
+    cbmv::averageRow(RowToAverage<Sum>{rows_.data() + longest, pitch_, tile_.columns.size(),
+                                       tile_.disparities.size(), arms(y, kUpArm, kDownArm),
+                                       aggregated.pixel(y, first) + tile_.disparities.start,
+                                       aggregated.disparities()});
   }
 
-  /// Division of floating-point numbers vectorises and is exact here: where integers below 2^n
-  /// (n = 24 for float, 53 for double) do not divide evenly, their quotient is further below the
-  /// next whole number than rounding can lift it.
-  template <typename Real>
-  void average(const Lane<Region>& regions, std::uint16_t* means) const {
-    using Integer = std::conditional_t<std::is_same_v<Real, float>, std::int32_t, std::uint32_t>;
-    for (int d = 0; d < disparities_; ++d) {
-      const auto sum = static_cast<Integer>(regions[d]);
-      const auto pixels = static_cast<Integer>(regions[d] >> 32);
-      const Integer half_up = sum + pixels / 2;
-      const Real mean = static_cast<Real>(half_up) / static_cast<Real>(pixels);
-      means[d] = static_cast<std::uint16_t>(static_cast<int>(mean));
-    }
-  }
-
-  const Inputs& inputs_;
+  const Inputs<Cost>& inputs_;
   const Tile tile_;
-  const int disparities_;
-  const cv::Range reach_;  // columns that arms of the tile can reach
   const int ring_rows_;
-  /// Of the ring, in columns. A power of two would have all its rows compete for one part of the
-  /// cache.
-  const int row_pitch_;
-  std::vector<Lane<std::uint32_t>> row_prefix_;
-  std::vector<const Lane<Region>*> rows_above_;      // of the current row less an arm, by arm
-  std::vector<const Lane<Region>*> rows_including_;  // of the current row plus an arm, by arm
-  std::vector<Lane<Region>> ring_;
-  CombinedArms horizontal_;
-  CombinedArms vertical_;
+  const std::ptrdiff_t pitch_;
+  const std::ptrdiff_t row_size_;
+  LineVector<Sum>& ring_;
+  std::vector<const Sum*> rows_;  // of the ring, from the highest to the lowest that arms reach
 };
 
-}  // namespace
+template <typename Sum, typename Cost>
+void aggregateTiles(const Inputs<Cost>& inputs, OptimizedVolume& aggregated) {
+  // The ring should fit the second-level cache; a tile reads the costs of its neighbours, too.
+  const int tile_disparities = sizeof(Sum) == 2 ? 256 : 32;
+  const int tile_columns = std::max(48, 2 * inputs.longest_arm_px);
+  const int width = inputs.costs.width();
+  const int count = inputs.costs.disparities();
+  const int tiles_across = (width + tile_columns - 1) / tile_columns;
+  const int tiles_deep = (count + tile_disparities - 1) / tile_disparities;
+  tbb::enumerable_thread_specific<LineVector<Sum>> rings;
+  tbb::parallel_for(0, tiles_across * tiles_deep, [&](int index) {
+    const int x = index / tiles_deep * tile_columns;
+    const int d = index % tiles_deep * tile_disparities;
+    const Tile tile{{x, std::min(x + tile_columns, width)},
+                    {d, std::min(d + tile_disparities, count)}};
+    TileAggregator<Cost, Sum>(inputs, tile, rings.local()).run(aggregated);
+  });
+}
 
-void aggregateCosts(const OptimizedVolume& costs, const cv::Mat& reference_arms,
-                    const cv::Mat& other_arms, View view, const DisparityRange& range,
-                    OptimizedVolume& aggregated) {
+/// Whether 16 bits suffice for the sum on an arm with its centre, for the low bits of a region, and
+/// 8 bits for the rest of them and for the number of pixels.
+bool fit16Bits(int longest_arm_px, int max_cost) {
+  const int span = 2 * longest_arm_px + 1;
+  return span <= 15 && (longest_arm_px + 1) * max_cost <= 0xffff &&
+         span * span * max_cost >> 12 <= 0xff;
+}
+
+template <typename Cost>
+void aggregate(const Volume<Cost>& costs, int max_cost, const cv::Mat& reference_arms,
+               const cv::Mat& other_arms, View view, const DisparityRange& range,
+               OptimizedVolume& aggregated) {
   const cv::Size size(costs.width(), costs.height());
   CV_Assert(reference_arms.type() == CV_8UC4 && reference_arms.size() == size);
   CV_Assert(other_arms.type() == CV_8UC4 && other_arms.size() == size);
-  CV_Assert(costs.disparities() == range.count && &costs != &aggregated);
+  CV_Assert(costs.disparities() == range.count && max_cost <= 16383);
 
   aggregated.resize(costs.height(), costs.width(), costs.disparities());
   double longest_arm_px = 0;
   cv::minMaxIdx(reference_arms.reshape(1), nullptr, &longest_arm_px);
-  const Inputs inputs{costs, reference_arms, other_arms,
-                      view,  range,          static_cast<int>(longest_arm_px)};
-  // At least twice the arms, lest a tile mostly sums up columns of its neighbours.
-  const int tile_columns = std::max(kMinTileColumns, 2 * inputs.longest_arm_px);
-  const int tiles_across = (size.width + tile_columns - 1) / tile_columns;
-  const int tiles_deep = (range.count + kTileDisparities - 1) / kTileDisparities;
-  tbb::parallel_for(0, tiles_across * tiles_deep, [&](int index) {
-    const int x = index / tiles_deep * tile_columns;
-    const int d = index % tiles_deep * kTileDisparities;
-    const Tile tile{{x, std::min(x + tile_columns, size.width)},
-                    {d, std::min(d + kTileDisparities, range.count)}};
-    TileAggregator(inputs, tile).run(aggregated);
-  });
+  const Inputs<Cost> inputs{costs, reference_arms, MatchingArms(other_arms, view, range),
+                            static_cast<int>(longest_arm_px)};
+  if (fit16Bits(inputs.longest_arm_px, max_cost)) {
+    aggregateTiles<std::uint16_t>(inputs, aggregated);
+  } else {
+    aggregateTiles<std::uint32_t>(inputs, aggregated);
+  }
+}
+
+}  // namespace
+
+void aggregateCosts(const OptimizedVolume& costs, int max_cost, const cv::Mat& reference_arms,
+                    const cv::Mat& other_arms, View view, const DisparityRange& range,
+                    OptimizedVolume& aggregated) {
+  CV_Assert(&costs != &aggregated);
+  aggregate(costs, max_cost, reference_arms, other_arms, view, range, aggregated);
+}
+
+void aggregateCosts(const MatchingVolume& costs, int max_cost, const cv::Mat& reference_arms,
+                    const cv::Mat& other_arms, View view, const DisparityRange& range,
+                    OptimizedVolume& aggregated) {
+  aggregate(costs, std::min<int>(max_cost, kOutsideCost), reference_arms, other_arms, view, range,
+            aggregated);
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

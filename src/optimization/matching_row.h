@@ -6,12 +6,14 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
 
 /// One value per column of a row of the other image, ordered such that the values at the matching
 /// columns of a reference pixel's hypotheses d = min, min + 1, … are contiguous: reversed for the
-/// left view, where the matching column falls as d grows.
+/// left view, where the matching column falls as d grows. Whole vectors may be read from any of
+/// them on.
 template <typename Value>
 class MatchingRow {
  public:
@@ -20,7 +22,8 @@ class MatchingRow {
       : forward_(view == View::kRight),
         columns_(columns),
         first_match_(matchingColumn(view, forward_ ? columns.start : columns.end - 1, range.min)),
-        values_(static_cast<std::size_t>(columns.size() + range.count - 1)) {}
+        values_(static_cast<std::size_t>(columns.size() + range.count - 1) +
+                kReadableBytesBeyond / sizeof(Value)) {}
 
   /// Takes value_at(column) for columns in [0, width), `outside` for all others.
   template <typename ValueAt>

@@ -5,33 +5,217 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
-#include "matching_row.h"
+#include "optimization/matching_row.h"
+#include "optimization/path_rows.h"
 
 #include "cbmv_stereo/error.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "optimization/semi_global_matching.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "optimization/cost_vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+using PathTag = LineTag<PathCost>;
+using SumTag = LineTag<std::uint16_t>;
+using PathVector = hn::Vec<PathTag>;
+
+/// What becomes of the costs of a path in the sums.
+enum class Accumulation { kSet, kAdd, kAddAndAverage };
+
+template <Accumulation accumulation>
+HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, const std::uint16_t* sums) {
+  const SumTag tag;
+  const auto unsigned_costs = hn::BitCast(tag, costs);
+  if constexpr (accumulation == Accumulation::kSet) {
+    return unsigned_costs;
+  } else {
+    const auto sum = hn::Add(hn::LoadU(tag, sums), unsigned_costs);
+    return accumulation == Accumulation::kAdd ? sum
+                                              : hn::ShiftRight<2>(hn::Add(sum, hn::Set(tag, 2)));
+  }
+}
+
+/// The recurrence of the header for one vector of hypotheses of a pixel.
+template <typename Cost>
+HWY_INLINE PathVector pathCosts(const Cost* costs, const PathCost* previous,
+                                PathVector lowest_previous, const PathCost* p1,
+                                const PathCost* p2) {
+  const PathTag tag;
+  const auto neighbours = hn::Min(hn::LoadU(tag, previous - 1), hn::LoadU(tag, previous + 1));
+  const auto step = hn::Add(neighbours, hn::LoadU(tag, p1));
+  const auto jump = hn::Add(lowest_previous, hn::LoadU(tag, p2));
+  const auto best = hn::Min(hn::Min(hn::Load(tag, previous), step), jump);
+  const auto matching = hn::BitCast(tag, loadWidened(SumTag(), costs));
+  return hn::Add(matching, hn::Sub(best, lowest_previous));
+}
+
+/// Adds the pixel in `column` to a path. Returns the smallest of the new path costs in all lanes.
+template <Accumulation accumulation, typename Cost>
+HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalties& penalties,
+                                 int column, const PathCost* previous, PathVector lowest_previous,
+                                 PathCost* current) {
+  const PathTag tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  const int disparities = pixels.disparities;
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(column) * disparities;
+  const Cost* costs = pixels.costs + first;
+  std::uint16_t* sums = pixels.sums + first;
+  const int edge = penalties.edges[column] != 0 ? 1 : 0;
+  const PathCost* p1 = penalties.p1[edge] + column * penalties.step;
+  const PathCost* p2 = penalties.p2[edge] + column * penalties.step;
+  auto lowest = hn::Set(tag, kGuard);
+  int h = 0;
+  for (; h + lanes <= disparities; h += lanes) {
+    const auto cost = pathCosts(costs + h, previous + h, lowest_previous, p1 + h, p2 + h);
+    lowest = hn::Min(lowest, cost);
+    hn::Store(cost, tag, current + h);
+    hn::StoreU(accumulate<accumulation>(cost, sums + h), SumTag(), sums + h);
+  }
+  if (h < disparities) {
+    const auto some = pathCosts(costs + h, previous + h, lowest_previous, p1 + h, p2 + h);
+    const auto cost = hn::IfThenElse(hn::FirstN(tag, disparities - h), some, hn::Set(tag, kGuard));
+    lowest = hn::Min(lowest, cost);
+    hn::Store(cost, tag, current + h);
+    storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h), disparities - h, sums + h);
+  }
+  return hn::MinOfLanes(tag, lowest);
+}
+
+/// One step of vertical paths.
+template <Accumulation accumulation, typename Cost>
+HWY_INLINE void extendColumns(const PathPixels<Cost> pixels, const RowPenalties penalties,
+                              const PathEnds ends) {
+  const PathTag tag;
+  for (int i = 0; i < pixels.columns; ++i) {
+    const auto lowest =
+        extendPath<accumulation>(pixels, penalties, i, ends.previous + i * ends.stride,
+                                 hn::Set(tag, ends.lowest[i]), ends.current + i * ends.stride);
+    ends.lowest[i] = hn::GetLane(lowest);
+  }
+}
+
+void addColumnsOfBytes(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
+                       const PathEnds& ends) {
+  extendColumns<Accumulation::kAdd>(pixels, penalties, ends);
+}
+void addColumnsOfWords(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
+                       const PathEnds& ends) {
+  extendColumns<Accumulation::kAdd>(pixels, penalties, ends);
+}
+void averageColumnsOfBytes(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
+                           const PathEnds& ends) {
+  extendColumns<Accumulation::kAddAndAverage>(pixels, penalties, ends);
+}
+void averageColumnsOfWords(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
+                           const PathEnds& ends) {
+  extendColumns<Accumulation::kAddAndAverage>(pixels, penalties, ends);
+}
+
+/// Both paths along a row, at once since each of them waits for its previous pixel all the time:
+/// whichever comes first to a pixel sets the sums. Path 0 of the ends is from the left, path 1 from
+/// the right.
+template <typename Cost>
+HWY_INLINE void extendBothWays(const PathPixels<Cost> pixels, const RowPenalties from_left,
+                               const RowPenalties from_right, const PathEnds ends) {
+  auto* previous = ends.previous;
+  auto* current = ends.current;
+  auto left = hn::Zero(PathTag());
+  auto right = left;
+  const int last = pixels.columns - 1;
+  const auto extend = [&](auto set_left, auto set_right, int i) {
+    left = extendPath<set_left()>(pixels, from_left, i, previous, left, current);
+    right = extendPath<set_right()>(pixels, from_right, last - i, previous + ends.stride, right,
+                                    current + ends.stride);
+    std::swap(previous, current);
+  };
+  const std::integral_constant<Accumulation, Accumulation::kSet> set;
+  const std::integral_constant<Accumulation, Accumulation::kAdd> add;
+  int i = 0;
+  for (; 2 * i < last; ++i) {
+    extend(set, set, i);
+  }
+  if (2 * i == last) {
+    extend(set, add, i++);
+  }
+  for (; i <= last; ++i) {
+    extend(add, add, i);
+  }
+}
+
+void setRowOfBytes(const PathPixels<std::uint8_t>& pixels, const RowPenalties& from_left,
+                   const RowPenalties& from_right, const PathEnds& ends) {
+  extendBothWays(pixels, from_left, from_right, ends);
+}
+void setRowOfWords(const PathPixels<std::uint16_t>& pixels, const RowPenalties& from_left,
+                   const RowPenalties& from_right, const PathEnds& ends) {
+  extendBothWays(pixels, from_left, from_right, ends);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-/// Signed, because SSE2 has a minimum of signed 16-bit lanes only.
-using PathCost = std::int16_t;
+HWY_EXPORT(addColumnsOfBytes);
+HWY_EXPORT(addColumnsOfWords);
+HWY_EXPORT(averageColumnsOfBytes);
+HWY_EXPORT(averageColumnsOfWords);
+HWY_EXPORT(setRowOfBytes);
+HWY_EXPORT(setRowOfWords);
 
-constexpr int kMaxPathCost = 16383;
-/// Above every path cost, and still representable with a penalty on top.
-constexpr PathCost kGuard = kMaxPathCost + 1;
-/// Vertical paths advance this many columns at once: wide enough to read whole cache lines, narrow
-/// enough to keep two rows of path costs close to the core.
-constexpr int kColumnsPerBlock = 32;
+void addColumns(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
+                const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(addColumnsOfBytes)(pixels, penalties, ends);
+}
+void addColumns(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
+                const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(addColumnsOfWords)(pixels, penalties, ends);
+}
+void averageColumns(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
+                    const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(averageColumnsOfBytes)(pixels, penalties, ends);
+}
+void averageColumns(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
+                    const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(averageColumnsOfWords)(pixels, penalties, ends);
+}
+void setRow(const PathPixels<std::uint8_t>& pixels, const RowPenalties& from_left,
+            const RowPenalties& from_right, const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(setRowOfBytes)(pixels, from_left, from_right, ends);
+}
+void setRow(const PathPixels<std::uint16_t>& pixels, const RowPenalties& from_left,
+            const RowPenalties& from_right, const PathEnds& ends) {
+  HWY_DYNAMIC_DISPATCH(setRowOfWords)(pixels, from_left, from_right, ends);
+}
 
-/// What becomes of the costs of a path in the output.
-enum class Accumulation { kSet, kAdd, kAddAndAverage };
+/// Vertical paths advance this many columns at once: wide enough to read whole pages, narrow enough
+/// to keep two rows of path costs close to the core.
+constexpr int kColumnsPerBlock = 64;
+/// Rows of a band: enough to keep all threads busy between two waits for each other.
+constexpr int kRowsPerThread = 4;
 
 /// Penalties in units of 1/255, indexed by the number of images that have an edge.
 struct Penalties {
@@ -95,7 +279,10 @@ class PenaltyRow {
  public:
   PenaltyRow(View view, const cv::Range& columns, const DisparityRange& range, int width,
              const Penalties& penalties)
-      : width_(width), penalties_(penalties), other_edges_(view, columns, range) {
+      : first_column_(columns.start),
+        width_(width),
+        penalties_(penalties),
+        other_edges_(view, columns, range) {
     for (std::size_t edge = 0; edge < 2; ++edge) {
       p1_[edge].resize(other_edges_.size());
       p2_[edge].resize(other_edges_.size());
@@ -103,17 +290,18 @@ class PenaltyRow {
   }
 
   /// Edges towards the previous pixel of the path, by column of the reference and the other image.
-  void fill(const std::uint8_t* reference_edges, const std::uint8_t* other_edges) {
-    reference_edges_ = reference_edges;
+  RowPenalties fill(const std::uint8_t* reference_edges, const std::uint8_t* other_edges) {
     other_edges_.fill(width_, 0, [other_edges](int column) { return other_edges[column]; });
     for (std::size_t edge = 0; edge < 2; ++edge) {
       select(penalties_.p1[edge], penalties_.p1[edge + 1], p1_[edge]);
       select(penalties_.p2[edge], penalties_.p2[edge + 1], p2_[edge]);
     }
+    const std::ptrdiff_t first = other_edges_.offset(first_column_);
+    return {reference_edges + first_column_,
+            {p1_[0].data() + first, p1_[1].data() + first},
+            {p2_[0].data() + first, p2_[1].data() + first},
+            other_edges_.offset(first_column_ + 1) - first};
   }
-
-  const PathCost* p1(int x) const { return hypotheses(p1_, x); }
-  const PathCost* p2(int x) const { return hypotheses(p2_, x); }
 
  private:
   using Table = std::array<std::vector<PathCost>, 2>;  // by edge in the reference image
@@ -125,172 +313,195 @@ class PenaltyRow {
     }
   }
 
-  const PathCost* hypotheses(const Table& table, int x) const {
-    return table[reference_edges_[x] != 0 ? 1 : 0].data() + other_edges_.offset(x);
-  }
-
+  int first_column_;
   int width_;
   const Penalties& penalties_;
-  const std::uint8_t* reference_edges_ = nullptr;
   MatchingRow<std::uint8_t> other_edges_;
   Table p1_;
   Table p2_;
 };
 
-/// Adds one pixel to a path: the recurrence of the header. `previous` has a guard at −1 and
-/// `disparities`. Returns the smallest of the new path costs.
-template <Accumulation accumulation>
-PathCost extendPath(const std::uint16_t* __restrict costs, const PathCost* __restrict previous,
-                    PathCost lowest_previous, const PathCost* __restrict p1,
-                    const PathCost* __restrict p2, int disparities, PathCost* __restrict current,
-                    std::uint16_t* __restrict out) {
-  PathCost lowest = kGuard;
-  for (int i = 0; i < disparities; ++i) {
-    const auto step = static_cast<PathCost>(std::min(previous[i - 1], previous[i + 1]) + p1[i]);
-    const auto jump = static_cast<PathCost>(lowest_previous + p2[i]);
-    const PathCost best = std::min(std::min(previous[i], step), jump);
-    const auto cost = static_cast<PathCost>(costs[i] + best - lowest_previous);
-    current[i] = cost;
-    lowest = std::min(lowest, cost);
-    if constexpr (accumulation == Accumulation::kSet) {
-      out[i] = static_cast<std::uint16_t>(cost);
-    } else if constexpr (accumulation == Accumulation::kAdd) {
-      out[i] = static_cast<std::uint16_t>(out[i] + cost);
-    } else {
-      out[i] = static_cast<std::uint16_t>(out[i] + cost + 2) / 4;
-    }
-  }
-  return lowest;
-}
-
-/// Where some neighbouring paths of one direction have got to: the path costs of their last pixels.
+/// Memory of neighbouring paths of one direction.
 class PathFront {
  public:
-  /// Starts with all costs zero, from which the first step leads to L_r = C.
   PathFront(int paths, int disparities)
-      : disparities_(disparities),
-        stride_(static_cast<std::size_t>(disparities) + 1),
+      : stride_((disparities + kLine) / kLine * kLine),
         lowest_(paths),
-        previous_(paths * stride_ + 1),
-        current_(paths * stride_ + 1) {
-    for (std::size_t i = 0; i < previous_.size(); i += stride_) {
-      previous_[i] = current_[i] = kGuard;
+        previous_(kLine + paths * stride_, kGuard),
+        current_(previous_) {}
+
+  /// Starts anew with all costs zero, from which the first step leads to L_r = C.
+  void reset(int disparities) {
+    for (std::size_t i = 0; i < lowest_.size(); ++i) {
+      std::fill_n(previous_.begin() + kLine + static_cast<std::ptrdiff_t>(i) * stride_, disparities,
+                  PathCost{0});
     }
+    std::fill(lowest_.begin(), lowest_.end(), PathCost{0});
   }
 
-  template <Accumulation accumulation>
-  void extend(int path, const std::uint16_t* costs, const PathCost* p1, const PathCost* p2,
-              std::uint16_t* out) {
-    const std::size_t first = path * stride_ + 1;
-    lowest_[path] = extendPath<accumulation>(costs, previous_.data() + first, lowest_[path], p1, p2,
-                                             disparities_, current_.data() + first, out);
+  PathEnds ends() {
+    return {previous_.data() + kLine, current_.data() + kLine, lowest_.data(), stride_};
   }
 
   /// To be called when all paths have been extended.
   void advance() { previous_.swap(current_); }
 
  private:
-  int disparities_;
-  std::size_t stride_;
+  /// Elements of a cache line, where a path's costs start.
+  static constexpr std::ptrdiff_t kLine = 64 / sizeof(PathCost);
+  using Costs = std::vector<PathCost, CacheLineAllocator<PathCost>>;
+
+  std::ptrdiff_t stride_;  // leaves at least one guard behind the costs
   std::vector<PathCost> lowest_;
-  std::vector<PathCost> previous_;
-  std::vector<PathCost> current_;
+  Costs previous_;
+  Costs current_;
 };
 
-/// The four sweeps over a volume. Horizontal ones come first: they initialise the sums.
-class Sweeps {
- public:
-  Sweeps(const OptimizedVolume& costs, const EdgeImages& images, View view,
-         const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean)
-      : costs_(costs),
-        view_(view),
-        range_(range),
-        reference_(findEdges(images.reference, images.reference_threshold_grey)),
-        other_(findEdges(images.other, images.other_threshold_grey)),
-        horizontal_(makePenalties(options, 1.0)),
-        vertical_(makePenalties(options, options.alpha1)),
-        mean_(mean) {}
+/// What all paths have in common.
+template <typename Cost>
+struct Inputs {
+  Inputs(const Volume<Cost>& all_costs, const EdgeImages& images, View reference_view,
+         const DisparityRange& disparities, const SgmOptions& options)
+      : costs(all_costs),
+        view(reference_view),
+        range(disparities),
+        reference(findEdges(images.reference, images.reference_threshold_grey)),
+        other(findEdges(images.other, images.other_threshold_grey)),
+        horizontal(makePenalties(options, 1.0)),
+        vertical(makePenalties(options, options.alpha1)) {}
 
-  void alongRows(const cv::Range& rows) const {
-    PenaltyRow penalties(view_, {0, costs_.width()}, range_, costs_.width(), horizontal_);
-    for (int y = rows.start; y < rows.end; ++y) {
-      alongRow<Accumulation::kSet>(y, 1, penalties);
-      alongRow<Accumulation::kAdd>(y, -1, penalties);
-    }
+  PathPixels<Cost> pixels(int y, const cv::Range& columns, OptimizedVolume& sums) const {
+    return {costs.pixel(y, columns.start), sums.pixel(y, columns.start), columns.size(),
+            range.count};
   }
 
-  void alongColumns(const cv::Range& columns) const {
-    PenaltyRow penalties(view_, columns, range_, costs_.width(), vertical_);
-    alongColumns<Accumulation::kAdd>(columns, 1, penalties);
-    alongColumns<Accumulation::kAddAndAverage>(columns, -1, penalties);
+  const Volume<Cost>& costs;
+  const View view;
+  const DisparityRange range;
+  const EdgeMaps reference;
+  const EdgeMaps other;
+  const Penalties horizontal;
+  const Penalties vertical;
+};
+
+/// The paths along rows.
+template <typename Cost>
+class RowPaths {
+ public:
+  explicit RowPaths(const Inputs<Cost>& inputs)
+      : inputs_(inputs),
+        columns_(0, inputs.costs.width()),
+        from_left_(inputs.view, columns_, inputs.range, columns_.end, inputs.horizontal),
+        from_right_(from_left_),
+        front_(2, inputs.range.count) {}
+
+  /// Sets the sums of a row.
+  void run(int y, OptimizedVolume& sums) {
+    // An edge is stored at the right one of two pixels.
+    const auto* reference = inputs_.reference.horizontal.template ptr<std::uint8_t>(y);
+    const auto* other = inputs_.other.horizontal.template ptr<std::uint8_t>(y);
+    front_.reset(inputs_.range.count);
+    setRow(inputs_.pixels(y, columns_, sums), from_left_.fill(reference, other),
+           from_right_.fill(reference + 1, other + 1), front_.ends());
   }
 
  private:
-  /// `step` is 1 for the path from the left, −1 for the one from the right.
-  template <Accumulation accumulation>
-  void alongRow(int y, int step, PenaltyRow& penalties) const {
-    const int neighbour = step > 0 ? 0 : 1;  // an edge is stored at the right one of two pixels
-    penalties.fill(reference_.horizontal.ptr<std::uint8_t>(y) + neighbour,
-                   other_.horizontal.ptr<std::uint8_t>(y) + neighbour);
-    PathFront front(1, range_.count);
-    const int first = step > 0 ? 0 : costs_.width() - 1;
-    for (int i = 0; i < costs_.width(); ++i) {
-      const int x = first + i * step;
-      front.extend<accumulation>(0, costs_.pixel(y, x), penalties.p1(x), penalties.p2(x),
-                                 mean_.pixel(y, x));
-      front.advance();
-    }
-  }
-
-  /// `step` is 1 for the paths from above, −1 for those from below.
-  template <Accumulation accumulation>
-  void alongColumns(const cv::Range& columns, int step, PenaltyRow& penalties) const {
-    const int neighbour = step > 0 ? 0 : 1;  // an edge is stored at the lower one of two pixels
-    PathFront front(columns.size(), range_.count);
-    const int first = step > 0 ? 0 : costs_.height() - 1;
-    for (int i = 0; i < costs_.height(); ++i) {
-      const int y = first + i * step;
-      penalties.fill(reference_.vertical.ptr<std::uint8_t>(y + neighbour),
-                     other_.vertical.ptr<std::uint8_t>(y + neighbour));
-      for (int x = columns.start; x < columns.end; ++x) {
-        front.extend<accumulation>(x - columns.start, costs_.pixel(y, x), penalties.p1(x),
-                                   penalties.p2(x), mean_.pixel(y, x));
-      }
-      front.advance();
-    }
-  }
-
-  const OptimizedVolume& costs_;
-  const View view_;
-  const DisparityRange range_;
-  const EdgeMaps reference_;
-  const EdgeMaps other_;
-  const Penalties horizontal_;
-  const Penalties vertical_;
-  OptimizedVolume& mean_;
+  const Inputs<Cost>& inputs_;
+  cv::Range columns_;
+  PenaltyRow from_left_;
+  PenaltyRow from_right_;
+  PathFront front_;
 };
+
+/// The paths along some neighbouring columns, first from above, then from below.
+template <typename Cost>
+class ColumnPaths {
+ public:
+  ColumnPaths(const Inputs<Cost>& inputs, const cv::Range& columns)
+      : inputs_(inputs),
+        columns_(columns),
+        penalties_(inputs.view, columns, inputs.range, inputs.costs.width(), inputs.vertical),
+        front_(columns.size(), inputs.range.count) {
+    front_.reset(inputs.range.count);
+  }
+
+  /// Adds the paths from above to the sums of the next rows.
+  void runDown(const cv::Range& rows, OptimizedVolume& sums) {
+    for (int y = rows.start; y < rows.end; ++y) {
+      addColumns(inputs_.pixels(y, columns_, sums), fillPenalties(y), front_.ends());
+      front_.advance();
+    }
+  }
+
+  /// Adds the paths from below to the sums of all rows and turns these to means.
+  void runUp(OptimizedVolume& sums) {
+    front_.reset(inputs_.range.count);
+    for (int y = inputs_.costs.height() - 1; y >= 0; --y) {
+      averageColumns(inputs_.pixels(y, columns_, sums), fillPenalties(y + 1), front_.ends());
+      front_.advance();
+    }
+  }
+
+ private:
+  /// Of the edge between the rows `lower` and `lower` − 1.
+  RowPenalties fillPenalties(int lower) {
+    return penalties_.fill(inputs_.reference.vertical.template ptr<std::uint8_t>(lower),
+                           inputs_.other.vertical.template ptr<std::uint8_t>(lower));
+  }
+
+  const Inputs<Cost>& inputs_;
+  cv::Range columns_;
+  PenaltyRow penalties_;
+  PathFront front_;
+};
+
+/// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
+/// columns, while the band is still in the cache; upwards along the columns.
+template <typename Cost>
+void addPaths(const Inputs<Cost>& inputs, OptimizedVolume& sums) {
+  const int width = inputs.costs.width();
+  const int height = inputs.costs.height();
+  std::vector<ColumnPaths<Cost>> blocks;
+  for (int x = 0; x < width; x += kColumnsPerBlock) {
+    blocks.emplace_back(inputs, cv::Range(x, std::min(x + kColumnsPerBlock, width)));
+  }
+  tbb::enumerable_thread_specific<RowPaths<Cost>> row_paths(std::cref(inputs));
+  const int band_rows = kRowsPerThread * tbb::this_task_arena::max_concurrency();
+  for (int first = 0; first < height; first += band_rows) {
+    const cv::Range band(first, std::min(first + band_rows, height));
+    tbb::parallel_for(band.start, band.end, [&](int y) { row_paths.local().run(y, sums); });
+    tbb::parallel_for(std::size_t{0}, blocks.size(),
+                      [&](std::size_t i) { blocks[i].runDown(band, sums); });
+  }
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) { blocks[i].runUp(sums); });
+}
+
+template <typename Cost>
+void match(const Volume<Cost>& costs, const EdgeImages& images, View view,
+           const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean) {
+  const cv::Size size(costs.width(), costs.height());
+  CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
+  CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
+  CV_Assert(costs.disparities() == range.count);
+  checkOptions(options);
+
+  mean.resize(costs.height(), costs.width(), costs.disparities());
+  addPaths(Inputs<Cost>(costs, images, view, range, options), mean);
+}
 
 }  // namespace
 
 void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
                         const DisparityRange& range, const SgmOptions& options,
                         OptimizedVolume& mean) {
-  const cv::Size size(costs.width(), costs.height());
-  CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
-  CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
-  CV_Assert(costs.disparities() == range.count && &costs != &mean);
-  checkOptions(options);
+  CV_Assert(&costs != &mean);
+  match(costs, images, view, range, options, mean);
+}
 
-  mean.resize(costs.height(), costs.width(), costs.disparities());
-  const Sweeps sweeps(costs, images, view, range, options, mean);
-  tbb::parallel_for(tbb::blocked_range<int>(0, size.height), [&](const auto& rows) {
-    sweeps.alongRows({rows.begin(), rows.end()});
-  });
-  const int blocks = (size.width + kColumnsPerBlock - 1) / kColumnsPerBlock;
-  tbb::parallel_for(0, blocks, [&](int block) {
-    const int first = block * kColumnsPerBlock;
-    sweeps.alongColumns({first, std::min(first + kColumnsPerBlock, size.width)});
-  });
+void semiGlobalMatching(const MatchingVolume& costs, const EdgeImages& images, View view,
+                        const DisparityRange& range, const SgmOptions& options,
+                        OptimizedVolume& mean) {
+  match(costs, images, view, range, options, mean);
 }
 
 int sgmCostBound(const SgmOptions& options) {
@@ -299,3 +510,4 @@ int sgmCostBound(const SgmOptions& options) {
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

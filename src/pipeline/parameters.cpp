@@ -12,9 +12,6 @@
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 
 namespace cbmv {
-namespace {
-
-constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
 
 std::string valueText(const ParameterValue& value) {
   std::ostringstream text;
@@ -22,6 +19,10 @@ std::string valueText(const ParameterValue& value) {
   std::visit([&](const auto& v) { text << v; }, value);
   return text.str();
 }
+
+namespace {
+
+constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
 
 double numberOf(const ParameterValue& value) {
   return std::visit([](const auto& v) { return static_cast<double>(v); }, value);
@@ -170,7 +171,7 @@ void addRefinementParameters(ParameterTable& table) {
       [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
       "Width of the bilateral filter; 0 switches it off");
   table.add(
-      "bilateral_threshold", "px", 0, 16,
+      "bilateral_threshold", "px", 0.01, 16,
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
       "Disparities that differ by this from the centre's do not count in the filter");
 }

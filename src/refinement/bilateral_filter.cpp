@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <vector>
@@ -11,42 +13,65 @@
 
 #include "cbmv_stereo/error.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refinement/bilateral_filter.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+
+/// Means over the windows of a row of pixels; `centres` and `out` are whole vectors long. Sums up
+/// differences to the centre, because they are small and float loses little of them. Invalid
+/// centres are infinite, and thus far away even from themselves.
+void filterRow(const float* centres, std::ptrdiff_t stride, int width, const float* weights,
+               int radius, float threshold_px, float invalid, float* out) {
+  const Floats tag;
+  const auto threshold = hn::Set(tag, threshold_px);
+  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
+    const auto centre = hn::LoadU(tag, centres + x);
+    auto differences = hn::Zero(tag);
+    auto weight_sum = hn::Zero(tag);
+    for (int dy = -radius; dy <= radius; ++dy) {
+      const float* row = centres + x + dy * stride;
+      for (int dx = -radius; dx <= radius; ++dx) {
+        const auto weight = hn::Set(tag, weights[std::abs(dy)] * weights[std::abs(dx)]);
+        const auto difference = hn::Sub(hn::LoadU(tag, row + dx), centre);
+        const auto near = hn::Lt(hn::Abs(difference), threshold);
+        differences = hn::Add(differences, hn::IfThenElseZero(near, hn::Mul(weight, difference)));
+        weight_sum = hn::Add(weight_sum, hn::IfThenElseZero(near, weight));
+      }
+    }
+    const auto mean = hn::Add(centre, hn::Div(differences, weight_sum));
+    const auto is_valid = hn::Gt(weight_sum, hn::Zero(tag));
+    hn::StoreU(hn::IfThenElse(is_valid, mean, hn::Set(tag, invalid)), tag, out + x);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-/// Weighted sums over the windows of a row of pixels. Of differences to the centre, because they
-/// are small and float loses little of them.
-struct RowSums {
-  explicit RowSums(int width) : differences(width), weights(width) {}
+HWY_EXPORT(filterRow);
 
-  void reset() {
-    std::fill(differences.begin(), differences.end(), 0.0F);
-    std::fill(weights.begin(), weights.end(), 0.0F);
-  }
+/// Elements of the longest vector.
+constexpr int kLine = 16;
 
-  /// Adds the neighbour of each centre, all in the same direction and thus of the same weight.
-  void add(const float* __restrict neighbours, const float* __restrict centres, float weight,
-           float threshold_px) {
-    float* __restrict difference_sums = differences.data();
-    float* __restrict weight_sums = weights.data();
-    const auto width = static_cast<int>(differences.size());
-    for (int x = 0; x < width; ++x) {
-      const float difference = neighbours[x] - centres[x];
-      const bool near = std::abs(difference) < threshold_px;
-      difference_sums[x] += near ? weight * difference : 0.0F;
-      weight_sums[x] += near ? weight : 0.0F;
-    }
-  }
-
-  std::vector<float> differences;
-  std::vector<float> weights;
-};
-
-/// The disparities with a border of `radius` pixels, far away from every threshold at the border
-/// and at invalid pixels, so that no window needs a test for either.
+/// The disparities with a border of `radius` pixels, on the right of a vector more, far away from
+/// every threshold at the border and at invalid pixels, so that no window needs a test for either.
 cv::Mat padded(const cv::Mat& disparity, float invalid, int radius) {
   const float far = std::numeric_limits<float>::infinity();
-  cv::Mat result(disparity.rows + 2 * radius, disparity.cols + 2 * radius, CV_32FC1, far);
+  cv::Mat result(disparity.rows + 2 * radius, disparity.cols + 2 * radius + kLine, CV_32FC1, far);
   for (int y = 0; y < disparity.rows; ++y) {
     const auto* in = disparity.ptr<float>(y);
     std::replace_copy(in, in + disparity.cols, result.ptr<float>(y + radius) + radius, invalid,
@@ -55,42 +80,14 @@ cv::Mat padded(const cv::Mat& disparity, float invalid, int radius) {
   return result;
 }
 
-class BilateralFilter {
- public:
-  BilateralFilter(const cv::Mat& disparity, float invalid, float sigma_px, float threshold_px)
-      : invalid_(invalid),
-        threshold_px_(threshold_px),
-        radius_(static_cast<int>(std::ceil(3 * sigma_px))),
-        padded_(padded(disparity, invalid, radius_)) {
-    for (int offset = 0; offset <= radius_; ++offset) {
-      weights_.push_back(
-          std::exp(-static_cast<float>(offset * offset) / (2 * sigma_px * sigma_px)));
-    }
+/// Of either axis, by distance: a Gaussian is separable.
+std::vector<float> gaussian(float sigma_px, int radius) {
+  std::vector<float> weights;
+  for (int offset = 0; offset <= radius; ++offset) {
+    weights.push_back(std::exp(-static_cast<float>(offset * offset) / (2 * sigma_px * sigma_px)));
   }
-
-  void filterRow(int y, RowSums& sums, float* out) const {
-    const auto* centres = padded_.ptr<float>(y + radius_) + radius_;
-    sums.reset();
-    for (int dy = -radius_; dy <= radius_; ++dy) {
-      const auto* row = padded_.ptr<float>(y + radius_ + dy) + radius_;
-      for (int dx = -radius_; dx <= radius_; ++dx) {
-        sums.add(row + dx, centres, weights_[std::abs(dy)] * weights_[std::abs(dx)], threshold_px_);
-      }
-    }
-    const auto width = static_cast<int>(sums.weights.size());
-    for (int x = 0; x < width; ++x) {
-      const bool valid = sums.weights[x] > 0;  // else even the centre was far away from itself
-      out[x] = valid ? centres[x] + sums.differences[x] / sums.weights[x] : invalid_;
-    }
-  }
-
- private:
-  float invalid_;
-  float threshold_px_;
-  int radius_;
-  cv::Mat padded_;
-  std::vector<float> weights_;  // of either axis: a Gaussian is separable
-};
+  return weights;
+}
 
 void checkOptions(float sigma_px, float threshold_px) {
   if (!(sigma_px >= 0)) {
@@ -114,13 +111,19 @@ void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, floa
     return;
   }
   filtered.create(disparity.size(), CV_32FC1);
-  const BilateralFilter filter(disparity, range.invalid(), sigma_px, threshold_px);
+  const int radius = static_cast<int>(std::ceil(3 * sigma_px));
+  const std::vector<float> weights = gaussian(sigma_px, radius);
+  const cv::Mat centres = padded(disparity, range.invalid(), radius);
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const auto& rows) {
-    RowSums sums(disparity.cols);
+    std::vector<float> means(disparity.cols + kLine);
     for (int y = rows.begin(); y != rows.end(); ++y) {
-      filter.filterRow(y, sums, filtered.ptr<float>(y));
+      HWY_DYNAMIC_DISPATCH(filterRow)
+      (centres.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(centres.step1()),
+       disparity.cols, weights.data(), radius, threshold_px, range.invalid(), means.data());
+      std::copy_n(means.data(), disparity.cols, filtered.ptr<float>(y));
     }
   });
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -10,95 +10,102 @@
 
 #include "cbmv_stereo/error.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refinement/median_filter.cpp"
+#include <hwy/aligned_allocator.h>
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+
+HWY_INLINE void sortPair(float* low, float* high) {
+  const auto a = hn::Load(Floats(), low);
+  const auto b = hn::Load(Floats(), high);
+  hn::Store(hn::Min(a, b), Floats(), low);
+  hn::Store(hn::Max(a, b), Floats(), high);
+}
+
+/// The medians of as many neighbouring windows as a vector has lanes, the first of which starts at
+/// `window`; `stride` leads to its next row. `values` holds vectors of all its pixels.
+///
+/// Invalid pixels count alternately as −∞ and ∞, which leaves the median of the valid ones in the
+/// middle, the lower one of two.
+HWY_INLINE void loadWindows(const float* window, std::ptrdiff_t stride, int size, float invalid,
+                            float* values) {
+  const Floats tag;
+  const auto none = hn::Set(tag, invalid);
+  auto filler = hn::Neg(hn::Inf(tag));
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x, values += hn::Lanes(tag)) {
+      const auto pixel = hn::LoadU(tag, window + y * stride + x);
+      const auto is_invalid = hn::Eq(pixel, none);
+      hn::Store(hn::IfThenElse(is_invalid, filler, pixel), tag, values);
+      filler = hn::IfThenElse(is_invalid, hn::Neg(filler), filler);
+    }
+  }
+}
+
+/// Brings the smallest of `count` vectors, lane by lane, to the first one and the largest to the
+/// last.
+HWY_INLINE void sortEnds(float* first, float* last, int count) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
+  for (int i = 0; i < count / 2; ++i) {
+    sortPair(first + i * lanes, last - i * lanes);
+  }
+  for (int i = 1; i < (count + 1) / 2; ++i) {
+    sortPair(first, first + i * lanes);
+    sortPair(last - i * lanes, last);
+  }
+}
+
+/// Median of `count` (odd) vectors, which are reordered. Of any set of more than half of them,
+/// neither the smallest nor the largest is the median: these two can go and another one come in.
+HWY_INLINE hn::Vec<Floats> median(float* values, int count) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
+  const int middle = count / 2;
+  float* last = values + (middle + 1) * lanes;
+  for (int i = 0; i < middle; ++i) {
+    sortEnds(values + i * lanes, last, middle + 2 - i);
+    if (i < middle - 1) {
+      hn::Store(hn::Load(Floats(), last + (i + 1) * lanes), Floats(), last);
+    }
+  }
+  return hn::Load(Floats(), values + middle * lanes);
+}
+
+/// Medians around the pixels of a row: `padded` points to the upper left corner of the first
+/// window. Reads and writes whole vectors.
+void filterRow(const float* padded, std::ptrdiff_t stride, int width, int size, float invalid,
+               float* values, float* medians) {
+  const Floats tag;
+  const float* centres = padded + size / 2 * stride + size / 2;
+  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
+    loadWindows(padded + x, stride, size, invalid, values);
+    const auto centre = hn::LoadU(tag, centres + x);
+    const auto is_invalid = hn::Eq(centre, hn::Set(tag, invalid));
+    hn::StoreU(hn::IfThenElse(is_invalid, centre, median(values, size * size)), tag, medians + x);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace cbmv {
 namespace {
 
-/// Median of the valid pixels of `window`, the lower one of two; `values` is scratch.
-float validMedian(const cv::Mat& disparity, const cv::Rect& window, float invalid,
-                  std::vector<float>& values) {
-  auto end = values.begin();
-  for (int y = window.y; y < window.y + window.height; ++y) {
-    const auto* row = disparity.ptr<float>(y) + window.x;
-    end = std::remove_copy(row, row + window.width, end, invalid);
-  }
-  const auto median = values.begin() + (end - values.begin() - 1) / 2;
-  std::nth_element(values.begin(), median, end);
-  return *median;
-}
+HWY_EXPORT(filterRow);
 
-float medianOfThree(float a, float b, float c) {
-  return std::max(std::min(a, b), std::min(std::max(a, b), c));
-}
-
-/// The 3 × 3 medians of a row, away from the image border. A median of nine is the median of three:
-/// the largest minimum, the median of the medians and the smallest maximum of the columns.
-class MedianOfNine {
- public:
-  explicit MedianOfNine(int width) : low_(width), middle_(width), high_(width) {}
-
-  /// Writes `out` from its second to its last but one pixel: `invalid` where the window holds a
-  /// pixel that is. `invalid` is below every valid value.
-  void filterRow(const float* above, const float* here, const float* below, float invalid,
-                 float* __restrict out) {
-    sortColumns(above, here, below);
-    const auto last = static_cast<int>(low_.size()) - 1;
-    for (int x = 1; x < last; ++x) {
-      const float low = std::max(std::max(low_[x - 1], low_[x]), low_[x + 1]);
-      const float middle = medianOfThree(middle_[x - 1], middle_[x], middle_[x + 1]);
-      const float high = std::min(std::min(high_[x - 1], high_[x]), high_[x + 1]);
-      const float lowest = std::min(std::min(low_[x - 1], low_[x]), low_[x + 1]);
-      out[x] = lowest > invalid ? medianOfThree(low, middle, high) : invalid;
-    }
-  }
-
- private:
-  void sortColumns(const float* above, const float* here, const float* below) {
-    for (std::size_t x = 0; x < low_.size(); ++x) {
-      low_[x] = std::min(std::min(above[x], here[x]), below[x]);
-      middle_[x] = medianOfThree(above[x], here[x], below[x]);
-      high_[x] = std::max(std::max(above[x], here[x]), below[x]);
-    }
-  }
-
-  std::vector<float> low_;
-  std::vector<float> middle_;
-  std::vector<float> high_;
-};
-
-class MedianFilter {
- public:
-  MedianFilter(const cv::Mat& disparity, float invalid, int size_px)
-      : disparity_(disparity),
-        invalid_(invalid),
-        size_px_(size_px),
-        image_(0, 0, disparity.cols, disparity.rows),
-        values_(static_cast<std::size_t>(size_px) * size_px),
-        median_of_nine_(disparity.cols) {}
-
-  void filterRow(int y, float* out) {
-    const auto* in = disparity_.ptr<float>(y);
-    std::fill(out, out + disparity_.cols, invalid_);
-    if (size_px_ == 3 && y > 0 && y < disparity_.rows - 1) {
-      median_of_nine_.filterRow(disparity_.ptr<float>(y - 1), in, disparity_.ptr<float>(y + 1),
-                                invalid_, out);
-    }
-    for (int x = 0; x < disparity_.cols; ++x) {
-      if (in[x] != invalid_ && out[x] == invalid_) {
-        const int radius = size_px_ / 2;
-        const cv::Rect window(x - radius, y - radius, size_px_, size_px_);
-        out[x] = validMedian(disparity_, window & image_, invalid_, values_);
-      }
-    }
-  }
-
- private:
-  const cv::Mat& disparity_;
-  float invalid_;
-  int size_px_;
-  cv::Rect image_;
-  std::vector<float> values_;
-  MedianOfNine median_of_nine_;
-};
+/// Elements of the longest vector.
+constexpr int kLine = 16;
 
 }  // namespace
 
@@ -109,13 +116,23 @@ void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int siz
     throw Error("The size of the median filter is " + std::to_string(size_px) +
                 " px; it must be odd and at least 1.");
   }
+  const int radius = size_px / 2;
+  cv::Mat padded;
+  cv::copyMakeBorder(disparity, padded, radius, radius, radius, radius + kLine, cv::BORDER_CONSTANT,
+                     range.invalid());
   filtered.create(disparity.size(), CV_32FC1);
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const auto& rows) {
-    MedianFilter filter(disparity, range.invalid(), size_px);
+    const auto values =
+        hwy::AllocateAligned<float>(static_cast<std::size_t>(size_px) * size_px * kLine);
+    std::vector<float> medians(disparity.cols + kLine);
     for (int y = rows.begin(); y != rows.end(); ++y) {
-      filter.filterRow(y, filtered.ptr<float>(y));
+      HWY_DYNAMIC_DISPATCH(filterRow)
+      (padded.ptr<float>(y), static_cast<std::ptrdiff_t>(padded.step1()), disparity.cols, size_px,
+       range.invalid(), values.get(), medians.data());
+      std::copy_n(medians.data(), disparity.cols, filtered.ptr<float>(y));
     }
   });
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -13,10 +13,10 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/evaluation.h"
+#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/training/cross_validation.h"
 
 namespace {
 

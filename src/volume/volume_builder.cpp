@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -51,14 +52,14 @@ HWY_INLINE void transposeTile(const std::uint8_t* from, int from_stride, std::ui
   }
 }
 
-/// [d][x] to [x][d]; at least a tile in both directions. The last tiles overlap those before.
-void transposeTiles(const std::uint8_t* costs, int width, int disparities, std::uint8_t* row) {
-  for (int next_x = 0; next_x < width; next_x += kTile) {
-    const int x = std::min(next_x, width - kTile);
-    for (int next_i = 0; next_i < disparities; next_i += kTile) {
-      const int i = std::min(next_i, disparities - kTile);
-      transposeTile(costs + static_cast<std::ptrdiff_t>(i) * width + x, width,
-                    row + static_cast<std::ptrdiff_t>(x) * disparities + i, disparities);
+/// At least a tile in both directions. The last tiles overlap those before.
+void transposeTiles(const std::uint8_t* from, int rows, int columns, std::uint8_t* to) {
+  for (int next_column = 0; next_column < columns; next_column += kTile) {
+    const int column = std::min(next_column, columns - kTile);
+    for (int next_row = 0; next_row < rows; next_row += kTile) {
+      const int row = std::min(next_row, rows - kTile);
+      transposeTile(from + static_cast<std::ptrdiff_t>(row) * columns + column, columns,
+                    to + static_cast<std::ptrdiff_t>(column) * rows + row, rows);
     }
   }
 }
@@ -85,10 +86,12 @@ void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width
                RowWorkspace& workspace) {
   const ColumnSpan span = matchedColumns(width, d);
   std::uint8_t* line = workspace.costs.data() + static_cast<std::size_t>(i) * width;
-  std::fill_n(line, width, kOutsideCost);
   if (span.empty()) {
+    std::fill_n(line, width, kOutsideCost);
     return;
   }
+  std::fill(line, line + span.begin, kOutsideCost);
+  std::fill(line + span.end, line + width, kOutsideCost);
   RowFeatures& features = workspace.features;
   const auto evaluate = [&](auto line_of) {
     std::array<decltype(line_of(0)), kFeatureCount> lines{};
@@ -106,19 +109,32 @@ void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width
   }
 }
 
-/// [d][x] to [x][d]
-void transpose(const std::uint8_t* costs, int width, int disparities, std::uint8_t* row) {
+/// [row][column] to [column][row]
+void transpose(const std::uint8_t* from, int rows, int columns, std::uint8_t* to) {
   constexpr int kTile = 16;
-  if (width >= kTile && disparities >= kTile) {
-    HWY_DYNAMIC_DISPATCH(transposeTiles)(costs, width, disparities, row);
+  if (rows >= kTile && columns >= kTile) {
+    HWY_DYNAMIC_DISPATCH(transposeTiles)(from, rows, columns, to);
     return;
   }
-  for (int i = 0; i < disparities; ++i) {
-    for (int x = 0; x < width; ++x) {
-      row[static_cast<std::ptrdiff_t>(x) * disparities + i] =
-          costs[static_cast<std::ptrdiff_t>(i) * width + x];
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      to[static_cast<std::ptrdiff_t>(column) * rows + row] =
+          from[static_cast<std::ptrdiff_t>(row) * columns + column];
     }
   }
+}
+
+/// Moves the costs of one disparity from the left pixels to the right ones.
+void shiftLine(int width, int d, std::uint8_t* line) {
+  const ColumnSpan span = matchedColumns(width, d);
+  if (span.empty()) {
+    std::fill_n(line, width, kOutsideCost);
+    return;
+  }
+  std::memmove(line + span.begin - d, line + span.begin,
+               static_cast<std::size_t>(span.end - span.begin));
+  std::fill(line, line + span.begin - d, kOutsideCost);
+  std::fill(line + span.end - d, line + width, kOutsideCost);
 }
 
 }  // namespace
@@ -145,22 +161,19 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
     for (int i = 0; i < range.count; ++i) {
       scoreLine(forest, evaluator, width, range.min + i, i, workspace);
     }
-    transpose(workspace.costs.data(), width, range.count, volume.row(y));
+    transpose(workspace.costs.data(), range.count, width, volume.row(y));
   });
 }
 
 void shiftToRightView(const DisparityRange& range, MatchingVolume& volume) {
+  const int width = volume.width();
   tbb::parallel_for(0, volume.height(), [&](int y) {
-    std::vector<std::uint8_t> left(
-        volume.row(y), volume.row(y) + static_cast<std::size_t>(volume.width()) * range.count);
-    for (int x = 0; x < volume.width(); ++x) {
-      std::uint8_t* costs = volume.pixel(y, x);
-      for (int i = 0; i < range.count; ++i) {
-        const int left_x = matchingColumn(View::kRight, x, range.min + i);
-        const bool inside = left_x >= 0 && left_x < volume.width();
-        costs[i] = inside ? left[static_cast<std::size_t>(left_x) * range.count + i] : kOutsideCost;
-      }
+    std::vector<std::uint8_t> lines(static_cast<std::size_t>(width) * range.count);  // [d][x]
+    transpose(volume.row(y), width, range.count, lines.data());
+    for (int i = 0; i < range.count; ++i) {
+      shiftLine(width, range.min + i, &lines[static_cast<std::size_t>(i) * width]);
     }
+    transpose(lines.data(), range.count, width, volume.row(y));
   });
 }
 

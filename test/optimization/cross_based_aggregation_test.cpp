@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/optimization/support_arms.h"
 
@@ -55,10 +56,29 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, int max_le
                       float threshold, int max_cost) {
   const ArmPair arms(shape.size(), content, max_length, threshold);
   const OptimizedVolume costs = makeCosts(shape, content, max_cost, 7);
-  OptimizedVolume aggregated;
-  aggregateCosts(costs, arms.reference, arms.other, view, shape.range, aggregated);
   const Naive naive{costs, arms.reference, arms.other, view, shape.range};
-  expectVolume(aggregated, shape, [&](int y, int x, int i) { return naive.mean(y, x, i); });
+  OptimizedVolume expected(shape.height, shape.width, shape.range.count);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      for (int i = 0; i < shape.range.count; ++i) {
+        expected.pixel(y, x)[i] = static_cast<std::uint16_t>(naive.mean(y, x, i));
+      }
+    }
+  }
+  const auto expect_means = [&](const OptimizedVolume& aggregated) {
+    expectVolume(aggregated, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
+  };
+  onEverySimdTarget([&] {
+    OptimizedVolume aggregated;
+    aggregateCosts(costs, max_cost, arms.reference, arms.other, view, shape.range, aggregated);
+    expect_means(aggregated);
+    if (max_cost <= 255) {
+      MatchingVolume bytes(shape.height, shape.width, shape.range.count);
+      std::copy_n(costs.row(0), costs.size(), bytes.row(0));
+      aggregateCosts(bytes, max_cost, arms.reference, arms.other, view, shape.range, aggregated);
+      expect_means(aggregated);
+    }
+  });
 }
 
 class AggregateCosts : public testing::TestWithParam<Case> {};
@@ -67,19 +87,43 @@ TEST_P(AggregateCosts, EqualsNaiveMeans) {
   const auto [shape, view, content] = GetParam();
   expectNaiveMeans(shape, view, content, 6, 40.0F, 5355);
   expectNaiveMeans(shape, view, content, 1, 40.0F, 255);
+  expectNaiveMeans(shape, view, content, 6, 300.0F, 255);
 }
 
 TEST_P(AggregateCosts, EqualsNaiveMeansOverLongArms) {
   const auto [shape, view, content] = GetParam();
   expectNaiveMeans(shape, view, content, 12, 300.0F, 16383);
+  expectNaiveMeans(shape, view, content, 12, 300.0F, 255);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, AggregateCosts, allCases());
 
-// The longest arms whose sums are divided in float, and the shortest that are not.
-TEST(AggregateCosts, IsExactWhereSumsNeed24Bits) {
-  for (const int max_length : {16, 17}) {
-    expectNaiveMeans({41, 80, {-2, 3}}, View::kLeft, Content::kNoise, max_length, 300.0F, 16383);
+// The largest costs of which 16 bits hold the sums, and the smallest of which they do not; arms of
+// one pixel, of the defaults, and the longest ones.
+TEST(AggregateCosts, IsExactWhereSumsNeed16Bits) {
+  for (const auto& [arm, max_cost] :
+       {std::pair(1, 16383), {5, 8665}, {5, 8666}, {7, 4660}, {7, 4661}}) {
+    expectNaiveMeans({41, 80, {-2, 3}}, View::kLeft, Content::kNoise, arm + 1, 300.0F, max_cost);
+    expectNaiveMeans({23, 40, {-2, 3}}, View::kRight, Content::kPatches, arm + 1, 300.0F, max_cost);
+  }
+}
+
+// Means close to halves, of large costs and over large regions, where rounding is tightest.
+TEST(AggregateCosts, RoundsHalvesUp) {
+  for (const int max_cost : {4660, 4659, 9, 1}) {
+    const Shape shape{15, 400, {0, 1}};
+    const ArmPair arms(shape.size(), Content::kNoise, 8, 300.0F);
+    OptimizedVolume costs(shape.height, shape.width, 1);
+    for (int i = 0; i < shape.height * shape.width; ++i) {
+      costs.row(0)[i] = static_cast<std::uint16_t>(max_cost - i % 2);
+    }
+    const Naive naive{costs, arms.reference, arms.other, View::kLeft, shape.range};
+    onEverySimdTarget([&] {
+      OptimizedVolume aggregated;
+      aggregateCosts(costs, max_cost, arms.reference, arms.other, View::kLeft, shape.range,
+                     aggregated);
+      expectVolume(aggregated, shape, [&](int y, int x, int i) { return naive.mean(y, x, i); });
+    });
   }
 }
 
@@ -91,7 +135,7 @@ TEST(AggregateCosts, IsExactForTheLargestRegions) {
   OptimizedVolume costs(509, 509, 1);
   std::fill(costs.row(0), costs.row(0) + costs.size(), 16383);
   OptimizedVolume aggregated;
-  aggregateCosts(costs, flat_arms, flat_arms, View::kLeft, shape.range, aggregated);
+  aggregateCosts(costs, 16383, flat_arms, flat_arms, View::kLeft, shape.range, aggregated);
   expectVolume(aggregated, shape, [](int, int, int) { return 16383; });
 }
 
@@ -100,10 +144,10 @@ TEST(AggregateCosts, DoesNotDependOnThreads) {
   const ArmPair arms(shape.size(), Content::kPatches, 6, 40.0F);
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
   OptimizedVolume parallel;
-  aggregateCosts(costs, arms.reference, arms.other, View::kLeft, shape.range, parallel);
+  aggregateCosts(costs, 5355, arms.reference, arms.other, View::kLeft, shape.range, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   OptimizedVolume serial;
-  aggregateCosts(costs, arms.reference, arms.other, View::kLeft, shape.range, serial);
+  aggregateCosts(costs, 5355, arms.reference, arms.other, View::kLeft, shape.range, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
 

@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -104,12 +105,23 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmO
        {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
     paths.emplace_back(costs, images, view, shape, options, direction);
   }
-  OptimizedVolume mean;
-  semiGlobalMatching(costs, images, view, shape.range, options, mean);
-  expectVolume(mean, shape, [&](int y, int x, int i) {
-    return (paths[0].cost(y, x, i) + paths[1].cost(y, x, i) + paths[2].cost(y, x, i) +
-            paths[3].cost(y, x, i) + 2) /
-           4;
+  const auto expect_means = [&](const OptimizedVolume& mean) {
+    expectVolume(mean, shape, [&](int y, int x, int i) {
+      return (paths[0].cost(y, x, i) + paths[1].cost(y, x, i) + paths[2].cost(y, x, i) +
+              paths[3].cost(y, x, i) + 2) /
+             4;
+    });
+  };
+  onEverySimdTarget([&] {
+    OptimizedVolume mean;
+    semiGlobalMatching(costs, images, view, shape.range, options, mean);
+    expect_means(mean);
+    if (max_cost <= 255) {
+      MatchingVolume bytes(shape.height, shape.width, shape.range.count);
+      std::copy_n(costs.row(0), costs.size(), bytes.row(0));
+      semiGlobalMatching(bytes, images, view, shape.range, options, mean);
+      expect_means(mean);
+    }
   });
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 namespace cbmv::test {
 namespace {
@@ -27,12 +28,12 @@ TEST_P(WinnerTakesAll, EqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
   for (const int max_cost : {0, 3, 255, 65535}) {  // small ones: many ties
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
-    cv::Mat disparity;
-    winnerTakesAll(costs, view, shape.range, disparity);
-    const auto expected = [&, v = view, range = shape.range](int y, int x) {
-      return naiveWinner(costs, v, range, y, x);
-    };
-    expectMap<float>(disparity, shape.size(), expected);
+    onEverySimdTarget([&, v = view, all = shape] {
+      cv::Mat disparity;
+      winnerTakesAll(costs, v, all.range, disparity);
+      expectMap<float>(disparity, all.size(),
+                       [&](int y, int x) { return naiveWinner(costs, v, all.range, y, x); });
+    });
   }
 }
 

@@ -140,7 +140,8 @@ TEST_P(ShippedPreset, IsConsistent) {
   EXPECT_TRUE(correctOptions(options).empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedPreset, testing::Values("middlebury.yaml", "kitti.yaml"));
+INSTANTIATE_TEST_SUITE_P(All, ShippedPreset,
+                         testing::Values("middlebury.yaml", "middlebury_tuned.yaml", "kitti.yaml"));
 
 }  // namespace
 }  // namespace cbmv::test

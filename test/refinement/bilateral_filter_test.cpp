@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -45,12 +46,18 @@ TEST_P(BilateralFilter, EqualsNaiveOne) {
   for (const int invalid_every : {1, 4, 1000000}) {
     const cv::Mat disparity = makeDisparity(shape, content, invalid_every, seed);
     for (const auto& [sigma, threshold] : {std::pair(2.2F, 1.3F), {0.4F, 3.0F}, {1.0F, 9.5F}}) {
-      cv::Mat filtered;
-      bilateralFilter(disparity, shape.range, sigma, threshold, filtered);
-      const auto expected = [&, s = sigma, t = threshold](int y, int x) {
-        return naiveMean(disparity, invalid, s, t, y, x);
-      };
-      expectMap<float>(filtered, shape.size(), expected, 1e-5);
+      cv::Mat expected(shape.size(), CV_64FC1);
+      for (int y = 0; y < shape.height; ++y) {
+        for (int x = 0; x < shape.width; ++x) {
+          expected.at<double>(y, x) = naiveMean(disparity, invalid, sigma, threshold, y, x);
+        }
+      }
+      onEverySimdTarget([&, all = shape, s = sigma, t = threshold] {
+        cv::Mat filtered;
+        bilateralFilter(disparity, all.range, s, t, filtered);
+        expectMap<float>(
+            filtered, all.size(), [&](int y, int x) { return expected.at<double>(y, x); }, 1e-5);
+      });
     }
   }
 }

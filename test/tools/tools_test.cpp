@@ -12,14 +12,15 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
 
 #include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/calibration.h"
 #include "cbmv_stereo/io/image_file.h"
 #include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv::test {
 namespace {
@@ -105,22 +106,6 @@ TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {
   EXPECT_EQ(run("cbmv_train", "--help").status, 0);
 }
 
-/// Writes the rendered pair as a Middlebury v3 scene.
-void writeScene(const std::string& folder, const RenderedScene& scene) {
-  std::filesystem::create_directories(folder);
-  writeImage(folder + "/im0.png", scene.left);
-  writeImage(folder + "/im1.png", scene.right);
-  writePfm(folder + "/disp0GT.pfm", scene.truth);
-  writeImage(folder + "/mask0nocc.png", scene.visible);
-  StereoCalibration calibration;
-  calibration.focal_length_px = 200;
-  calibration.baseline_m = 0.1;
-  calibration.width = scene.left.cols;
-  calibration.height = scene.left.rows;
-  calibration.disparities = 30;
-  writeMiddleburyCalibration(folder + "/calib.txt", calibration);
-}
-
 TEST_F(ToolsTest, TrainWritesAForestThatWorks) {
   writeScene(path("data/One"), scene_);
   writeScene(path("data/Two"), renderScene(160, 100, 2));
@@ -165,6 +150,24 @@ TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
   std::filesystem::resize_file(path("data/One/disp0GT.pfm"), 100);
   expectRefusal(run("cbmv_train", data + rest), {path("data/One/disp0GT.pfm")});
   EXPECT_FALSE(std::filesystem::exists(path("new.forest")));
+}
+
+TEST_F(ToolsTest, TuneWritesAPreset) {
+  writeScene(path("data/One"), scene_);
+  const std::string rest = " --dataset middlebury_v3:" + path("data") + " --forest " + kForest +
+                           " --parameters P1,P2 --evaluations 4 --output ";
+  std::ofstream(path("start.yaml")) << "P1: 0.1\nbilateral_sigma: 1.5\n";
+  const Outcome tuned =
+      run("cbmv_tune", "--start " + path("start.yaml") + rest + path("tuned.yaml"));
+  ASSERT_EQ(tuned.status, 0) << tuned.output;
+  StereoOptions options;
+  readPreset(path("tuned.yaml"), options);
+  EXPECT_EQ(options.refinement.bilateral_sigma_px, 1.5F);
+  expectRefusal(run("cbmv_tune", rest + path("none/tuned.yaml")), {path("none")});
+  expectRefusal(run("cbmv_tune", "--start " + path("none.yaml") + rest + path("tuned.yaml")),
+                {path("none.yaml")});
+  EXPECT_EQ(run("cbmv_tune", "").status, 2);
+  EXPECT_EQ(run("cbmv_tune", "--help").status, 0);
 }
 
 }  // namespace

@@ -8,11 +8,15 @@
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/stereo_scene.h"
 #include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/pipeline/stereo_result.h"
 
 namespace cbmv {
 
 /// Where the maps of a scene come from. Throws when the scene has none; works on scene after scene.
 using DisparitySource = std::function<SceneMaps(const StereoScene&)>;
+
+/// What the matcher found as it is scored: infinity where there is no disparity.
+SceneMaps toSceneMaps(const StereoResult& result);
 
 /// Matches each scene with this forest over the scene's own range. Throws Error at once when the
 /// options are inconsistent.

@@ -13,13 +13,16 @@ namespace cbmv {
 /// are never negative, and with levels that compare signed bytes, the other way round.
 struct PackedTree {
   int depth = 0;  ///< at least kLeastDepth
-  std::array<std::uint8_t, Forest::kMaxDepth> features{};
+  std::array<std::uint32_t, Forest::kMaxDepth>
+      lines{};  ///< feature · kBlock: where its codes begin
   std::array<std::int8_t, Forest::kMaxDepth> thresholds{};  ///< minus 128
   /// Indexed by the answers to "code < threshold", level k in bit k; minus the lowest leaf.
   std::array<std::uint8_t, 1 << Forest::kMaxDepth> leaves{};
 
   /// A table look-up by bytes reads 2⁴ leaves at once; levels that always answer "no" fill up.
   static constexpr int kLeastDepth = 4;
+  /// Hypotheses whose codes are kept together in the first-level cache; a multiple of four vectors.
+  static constexpr int kBlock = 256;
 };
 
 /// Applies a forest to rows of features: oblivious trees to codes, with the widest vectors that the

@@ -35,9 +35,14 @@ struct EdgeImages {
 /// `mean` becomes (L_left + L_right + L_above + L_below + 2) / 4. `costs` and `mean` are different
 /// volumes; `mean` is resized. Penalties and costs must satisfy
 /// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, if p1 is
-/// negative or above p2, or if q1, q2 or alpha1 is below 1. Parallel by oneTBB; the result does not
-/// depend on the number of threads.
+/// negative or above p2, or if q1, q2 or alpha1 is below 1. Vectors by Highway, parallel by oneTBB;
+/// the result depends neither on the instruction set nor on the number of threads.
 void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
+                        const DisparityRange& range, const SgmOptions& options,
+                        OptimizedVolume& mean);
+
+/// The same on matching costs as they come.
+void semiGlobalMatching(const MatchingVolume& costs, const EdgeImages& images, View view,
                         const DisparityRange& range, const SgmOptions& options,
                         OptimizedVolume& mean);
 

@@ -12,6 +12,9 @@ namespace cbmv {
 /// A parameter's value: switches, whole numbers and real numbers.
 using ParameterValue = std::variant<bool, int, double>;
 
+/// The value as presets have it.
+std::string valueText(const ParameterValue& value);
+
 /// One field of StereoOptions as users see it: in presets, on the command line, in the parameter
 /// server and in dynamic_reconfigure, always under the same name.
 struct Parameter {

@@ -2,12 +2,37 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <vector>
 
 namespace cbmv {
 
+/// Memory that starts at a cache line, as the widest vector registers like it.
+template <typename Value>
+struct CacheLineAllocator {
+  using value_type = Value;
+  static constexpr std::align_val_t kCacheLine{64};
+
+  CacheLineAllocator() = default;
+  template <typename Other>
+  explicit CacheLineAllocator(const CacheLineAllocator<Other>& /*other*/) {}
+
+  Value* allocate(std::size_t count) {
+    return static_cast<Value*>(::operator new(count * sizeof(Value), kCacheLine));
+  }
+  void deallocate(Value* values, std::size_t /*count*/) { ::operator delete(values, kCacheLine); }
+
+  friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
+  friend bool operator!=(const CacheLineAllocator&, const CacheLineAllocator&) { return false; }
+};
+
+/// So much memory behind the last value may be read, though not written: two whole vectors
+/// can be read from any value on.
+constexpr std::size_t kReadableBytesBeyond = 128;
+
 /// Dense array of one cost per hypothesis, laid out [y][x][d]: the costs of a pixel are contiguous.
-/// `resize` keeps the memory when the new volume fits, so a stream of frames allocates once.
+/// kReadableBytesBeyond the last one are readable. `resize` keeps the memory when the new volume
+/// fits, so a stream of frames allocates once.
 template <typename Cost>
 class Volume {
  public:
@@ -19,13 +44,13 @@ class Volume {
     height_ = height;
     width_ = width;
     disparities_ = disparities;
-    costs_.resize(static_cast<std::size_t>(height) * width * disparities);
+    costs_.resize(size() + kReadableBytesBeyond / sizeof(Cost));
   }
 
   int height() const { return height_; }
   int width() const { return width_; }
   int disparities() const { return disparities_; }
-  std::size_t size() const { return costs_.size(); }
+  std::size_t size() const { return offset(height_, 0); }
 
   Cost* pixel(int y, int x) { return costs_.data() + offset(y, x); }
   const Cost* pixel(int y, int x) const { return costs_.data() + offset(y, x); }
@@ -40,7 +65,7 @@ class Volume {
   int height_ = 0;
   int width_ = 0;
   int disparities_ = 0;
-  std::vector<Cost> costs_;
+  std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
 /// Matching costs as the forest gives them: 1 − probability, in units of 1/255 (Batsos et al. 2018,

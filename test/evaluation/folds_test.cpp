@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/cross_validation.h"
+#include "cbmv_stereo/evaluation/folds.h"
 
 #include <filesystem>
 #include <memory>
@@ -25,6 +25,8 @@ TEST(Folds, HoldEachSceneOnce) {
     scenes.insert(fold.begin(), fold.end());
   }
   EXPECT_EQ(scenes.size(), 15U);
+  EXPECT_EQ(foldOf("Teddy"), 0U);
+  EXPECT_EQ(foldOf("Piano"), 2U);
   EXPECT_EQ(orderByFold({"Adirondack", "Piano", "Teddy", "Recycle", "ArtL"}),
             (std::vector<std::string>{"Recycle", "Teddy", "Adirondack", "ArtL", "Piano"}));
   EXPECT_TRUE(mentions(errorText([] { orderByFold({"Teddy", "Backpack"}); }), {"Backpack"}));

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/pipeline/stereo_result.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// Everything after the matching volume: optimization of both views, winner takes all, refinement
+/// and confidence. Holds the buffers of a frame, so one object serves one frame at a time.
+class DisparityEstimator {
+ public:
+  DisparityEstimator();
+  ~DisparityEstimator();
+  DisparityEstimator(const DisparityEstimator&) = delete;
+  DisparityEstimator& operator=(const DisparityEstimator&) = delete;
+
+  /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
+  /// options.range, as VolumeBuilder makes it, and becomes the right view's if the left-right check
+  /// is on. Sets all maps and the range of `result` and adds to its times, of all stages but the
+  /// rectification. Options must be consistent (correctOptions). Parallel by oneTBB; the result
+  /// does not depend on earlier frames nor on the number of threads.
+  void estimate(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
+                MatchingVolume& volume, StereoResult& result);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cbmv

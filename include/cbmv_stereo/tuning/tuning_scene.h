@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/io/data_set.h"
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv {
+
+/// Index in kMetrics of an error that can be searched for: a name of kMetrics, but those of the
+/// confidence. Throws Error that lists the names.
+std::size_t findErrorMetric(const std::string& name);
+
+/// The first of the forests that was not trained on the scene, by name and data set. Throws Error
+/// that names the scene when there is none: a volume by a forest that knows the answer is better
+/// than any that the parameters will meet.
+std::shared_ptr<const Forest> forestForScene(
+    const std::vector<std::shared_ptr<const Forest>>& forests, const SceneReference& scene);
+
+/// A scene with the matching volume, which stays the same while optimization and refinement are
+/// tuned.
+struct TuningScene {
+  std::size_t data_set = 0;  ///< any number that tells the data sets apart
+  std::size_t metric = 0;    ///< in kMetrics: the error that counts
+  StereoScene scene;         ///< the right image aligned; without left_color
+  MatchingVolume volume;     ///< of the left view, over 0 … calibration.disparities − 1
+};
+
+/// Aligns the pair as the options say and builds the volume. rows > 0: only so many rows from the
+/// middle of the scene are kept, to save time. Throws Error that names the scene or file.
+TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
+                         const RectificationOptions& rectification, int rows);
+
+/// Scores scenes; holds the buffers for that.
+class TuningScorer {
+ public:
+  /// The scene's error by its metric over the non-occluded pixels, with these options over the
+  /// scene's own range. Throws Error that names the scene when no true disparity is known there.
+  double error(const TuningScene& scene, const StereoOptions& options);
+
+ private:
+  DisparityEstimator estimator_;
+  MatchingVolume volume_;
+};
+
+}  // namespace cbmv

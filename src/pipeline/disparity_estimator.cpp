@@ -1,0 +1,207 @@
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <tbb/parallel_for.h>
+
+#include "stopwatch.h"
+
+#include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "cbmv_stereo/optimization/semi_global_matching.h"
+#include "cbmv_stereo/optimization/support_arms.h"
+#include "cbmv_stereo/optimization/winner_takes_all.h"
+#include "cbmv_stereo/refinement/bilateral_filter.h"
+#include "cbmv_stereo/refinement/interpolation.h"
+#include "cbmv_stereo/refinement/median_filter.h"
+#include "cbmv_stereo/refinement/subpixel.h"
+#include "cbmv_stereo/volume/volume_builder.h"
+
+namespace cbmv {
+namespace {
+
+float standardDeviation(const cv::Mat& grey) {
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(grey, mean, deviation);
+  return static_cast<float>(deviation[0]);
+}
+
+void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
+  costs.resize(volume.height(), volume.width(), volume.disparities());
+  tbb::parallel_for(0, volume.height(), [&](int y) {
+    std::copy_n(volume.row(y), static_cast<std::size_t>(volume.width()) * volume.disparities(),
+                costs.row(y));
+  });
+}
+
+/// Probability of the winner of each pixel; 0 where there is none.
+void readConfidence(const MatchingVolume& volume, const cv::Mat& winners,
+                    const DisparityRange& range, cv::Mat& confidence) {
+  confidence.create(winners.size(), CV_32FC1);
+  tbb::parallel_for(0, winners.rows, [&](int y) {
+    for (int x = 0; x < winners.cols; ++x) {
+      const float d = winners.at<float>(y, x);
+      const bool valid = d != range.invalid();
+      confidence.at<float>(y, x) =
+          valid ? 1.0F - static_cast<float>(volume.pixel(y, x)[static_cast<int>(d) - range.min]) /
+                             255.0F
+                : 0.0F;
+    }
+  });
+}
+
+}  // namespace
+
+class DisparityEstimator::Impl {
+ public:
+  void estimate(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
+                MatchingVolume& volume, StereoResult& result) {
+    options_ = options;
+    result.range = options.range;
+    {
+      const Stopwatch watch(result.times.aggregation_ms);
+      prepare(left, left_);
+      prepare(right, right_);
+    }
+    optimize(View::kLeft, volume, result.times);
+    cv::Mat winners;
+    {
+      const Stopwatch watch(result.times.refinement_ms);
+      winnerTakesAll(*optimized_, View::kLeft, options_.range, winners);
+      readConfidence(volume, winners, options_.range, result.confidence);
+      result.disparity = winners.clone();
+      if (options_.refinement.subpixel) {
+        refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
+      }
+    }
+    if (options_.refinement.left_right_check) {
+      matchRightView(volume, result);
+    }
+    const Stopwatch watch(result.times.refinement_ms);
+    refine(winners, result);
+  }
+
+ private:
+  /// One of the images with what aggregation and semi-global matching need of it.
+  struct PreparedImage {
+    cv::Mat grey;
+    cv::Mat arms;
+    float deviation = 0;
+  };
+
+  void matchRightView(MatchingVolume& volume, StereoResult& result) {
+    {
+      const Stopwatch watch(result.times.volume_ms);
+      shiftToRightView(options_.range, volume);
+    }
+    optimize(View::kRight, volume, result.times);
+    const Stopwatch watch(result.times.refinement_ms);
+    winnerTakesAll(*optimized_, View::kRight, options_.range, result.right_disparity);
+  }
+
+  void prepare(const cv::Mat& grey, PreparedImage& image) const {
+    image.grey = grey;
+    image.deviation = standardDeviation(grey);
+    computeSupportArms(grey, options_.aggregation.arm_length_px,
+                       options_.aggregation.intensity_threshold * image.deviation, image.arms);
+  }
+
+  /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
+  /// Leaves the costs in *optimized_.
+  void optimize(View view, const MatchingVolume& volume, StageTimes& times) {
+    const PreparedImage& reference = view == View::kLeft ? left_ : right_;
+    const PreparedImage& other = view == View::kLeft ? right_ : left_;
+    matching_costs_ = &volume;
+    aggregate(options_.aggregation.iterations_before, view, reference, other, times);
+    const EdgeImages edges{reference.grey, other.grey,
+                           options_.sgm.edge_threshold * reference.deviation,
+                           options_.sgm.edge_threshold * other.deviation};
+    for (int i = 0; i < options_.sgm.iterations; ++i) {
+      const Stopwatch watch(times.sgm_ms);
+      apply([&](const auto& costs, OptimizedVolume& mean) {
+        semiGlobalMatching(costs, edges, view, options_.range, options_.sgm, mean);
+      });
+    }
+    aggregate(options_.aggregation.iterations_after, view, reference, other, times);
+    if (matching_costs_ != nullptr) {
+      widen(volume, *optimized_);
+    }
+  }
+
+  void aggregate(int iterations, View view, const PreparedImage& reference,
+                 const PreparedImage& other, StageTimes& times) {
+    const Stopwatch watch(times.aggregation_ms);
+    const int max_cost = sgmCostBound(options_.sgm);
+    for (int i = 0; i < iterations; ++i) {
+      apply([&](const auto& costs, OptimizedVolume& aggregated) {
+        aggregateCosts(costs, max_cost, reference.arms, other.arms, view, options_.range,
+                       aggregated);
+      });
+    }
+  }
+
+  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs.
+  template <typename Stage>
+  void apply(const Stage& stage) {
+    if (matching_costs_ != nullptr) {
+      stage(*matching_costs_, *spare_);
+    } else {
+      stage(*optimized_, *spare_);
+    }
+    matching_costs_ = nullptr;
+    std::swap(optimized_, spare_);
+  }
+
+  /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
+  /// neighbours.
+  void refine(const cv::Mat& winners, StereoResult& result) {
+    const RefinementOptions& options = options_.refinement;
+    const DisparityRange& range = options_.range;
+    result.labels = cv::Mat(winners.size(), CV_8UC1, cv::Scalar(kMatch));
+    if (options.left_right_check) {
+      leftRightCheck(winners, result.right_disparity, range, options.max_left_right_difference_px,
+                     result.labels);
+      replaceUnmatched(result);
+    }
+    cv::Mat filtered;
+    medianFilter(result.disparity, range, options.median_size_px, filtered);
+    bilateralFilter(filtered, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
+                    result.disparity);
+  }
+
+  void replaceUnmatched(StereoResult& result) const {
+    const RefinementOptions& options = options_.refinement;
+    const cv::Mat failed = result.labels != kMatch;
+    cv::Mat halved = 0.5 * result.confidence;
+    halved.copyTo(result.confidence, failed);
+    result.disparity.setTo(options_.range.invalid(), failed);
+    if (options.fill_occlusions) {
+      fillOcclusions(result.labels, options_.range, result.disparity);
+    }
+    if (options.fill_mismatches) {
+      fillMismatches(result.labels, options_.range, result.disparity);
+    }
+  }
+
+  StereoOptions options_;
+  PreparedImage left_;
+  PreparedImage right_;
+  OptimizedVolume first_;
+  OptimizedVolume second_;
+  OptimizedVolume* optimized_ = &first_;
+  OptimizedVolume* spare_ = &second_;
+  const MatchingVolume* matching_costs_ = nullptr;  ///< the costs, until a stage has replaced them
+};
+
+DisparityEstimator::DisparityEstimator() : impl_(std::make_unique<Impl>()) {}
+DisparityEstimator::~DisparityEstimator() = default;
+
+void DisparityEstimator::estimate(const cv::Mat& left, const cv::Mat& right,
+                                  const StereoOptions& options, MatchingVolume& volume,
+                                  StereoResult& result) {
+  impl_->estimate(left, right, options, volume, result);
+}
+
+}  // namespace cbmv

@@ -1,0 +1,146 @@
+// Searches the parameters of optimization and refinement on pairs with ground truth.
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "data_arguments.h"
+#include "run_tool.h"
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/folds.h"
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/tuning/tuning.h"
+
+namespace {
+
+struct Arguments {
+  std::vector<std::string> data_sets, forests;
+  std::string start, output;
+  int folds = 0;
+  cbmv::SceneFilter filter;
+  cbmv::TrainingOptions training;
+  cbmv::TuningRequest request;
+};
+
+void printLine(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
+    const std::vector<std::string>& paths) {
+  std::vector<std::shared_ptr<const cbmv::Forest>> forests;
+  for (const std::string& path : paths) {
+    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(path)));
+  }
+  return forests;
+}
+
+/// Refuses before hours are spent.
+void requireFolderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw cbmv::Error("Cannot write " + path + ": there is no folder " + folder.string() + ".");
+  }
+}
+
+void tune(Arguments& arguments) {
+  cbmv::TuningRequest& request = arguments.request;
+  if (!arguments.start.empty()) {
+    cbmv::readPreset(arguments.start, request.start);
+    request.start_name = std::filesystem::path(arguments.start).filename().string();
+  }
+  requireFolderOf(arguments.output);
+  const std::vector<cbmv::DataSet> data_sets = cbmv::openDataSets(arguments.data_sets);
+  request.scenes = cbmv::chooseScenes(data_sets, arguments.filter);
+  request.search.seed = arguments.training.seed;
+  arguments.training.rectification = request.start.rectification;
+  cbmv::TuningEvents events;
+  events.progress = printLine;
+  events.improved = [&](const cbmv::TuningReport& report) {
+    cbmv::writePreset(report, arguments.output);
+  };
+  request.forests =
+      arguments.folds > 0
+          ? cbmv::trainFolds(request.scenes,
+                             cbmv::chooseScenes(data_sets, {{}, arguments.filter.excluded}),
+                             arguments.training, printLine)
+          : readForests(arguments.forests);
+  const cbmv::TuningReport report = cbmv::tune(request, events);
+  std::printf("\n%swrote %s\n", cbmv::describeReport(report).c_str(), arguments.output.c_str());
+}
+
+void addSearchOptions(CLI::App& app, Arguments& arguments) {
+  cbmv::TuningRequest& request = arguments.request;
+  app.add_option("--start", arguments.start, "Preset to begin with; else the defaults");
+  app.add_option("--parameters", request.parameters,
+                 "What is searched, separated by commas; docs/parameters.md has the names")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option(
+         "--objective", request.metrics,
+         "Mean error over non-occluded pixels that is lowered: bad_0.5, bad_1, bad_2, bad_3, "
+         "avg, …; one, or one for each data set, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--evaluations", request.search.evaluations, "Presets that are tried")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--global-evaluations", request.search.global_evaluations,
+                 "So many of them all over the space, before the search around the best")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option(
+         "--rows", request.rows,
+         "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
+         "the whole image; 0: all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_flag(
+      "--cross-validate", request.cross_validate,
+      "Search three more times, without one fold of Middlebury v3 each, and score that fold");
+  app.add_option("--threads", request.start.threads, "0: as many as the machine has")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Searches the parameters of optimization and refinement on rectified stereo pairs with "
+      "ground "
+      "truth, and writes them as a preset"};
+  Arguments arguments;
+  arguments.request.metrics = {"bad_1"};
+  cbmv::addDataSetOption(app, arguments.data_sets);
+  cbmv::addSceneOptions(app, arguments.filter);
+  CLI::Option_group* forests = app.add_option_group("Forests", "One of these");
+  forests->add_option(
+      "--forest", arguments.forests,
+      "Repeatable; each scene is matched with the first that was not trained on it");
+  forests
+      ->add_option(
+          "--folds", arguments.folds,
+          "3: train on the folds of the paper on Middlebury v3; each scene is matched with "
+          "the forest that did not see it")
+      ->check(CLI::IsMember({3}));
+  forests->require_option(1);
+  addSearchOptions(app, arguments);
+  app.add_option("--output", arguments.output,
+                 "Preset to write; replaced whenever a better one is found")
+      ->required();
+  cbmv::addTrainingOptions(app, arguments.training);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return cbmv::runTool("cbmv_tune", [&] { tune(arguments); });
+}

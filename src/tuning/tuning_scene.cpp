@@ -1,0 +1,89 @@
+#include "cbmv_stereo/tuning/tuning_scene.h"
+
+#include <algorithm>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/disparity_source.h"
+#include "cbmv_stereo/evaluation/scene_score.h"
+#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/volume/volume_builder.h"
+
+namespace cbmv {
+namespace {
+
+bool isErrorMetric(const std::string& name) { return name.rfind("auc", 0) != 0; }
+
+bool wasTrainedOn(const Forest& forest, const SceneReference& scene) {
+  const ForestProvenance& provenance = forest.provenance;
+  return provenance.data_set.find(scene.data_set.title()) != std::string::npos &&
+         std::count(provenance.scenes.begin(), provenance.scenes.end(), scene.scene) > 0;
+}
+
+void keepMiddleRows(int rows, StereoScene& scene) {
+  const int height = scene.left.rows;
+  const int first = (height - rows) / 2;
+  for (cv::Mat* map : {&scene.left, &scene.right, &scene.truth, &scene.visible}) {
+    *map = map->rowRange(first, first + rows).clone();
+  }
+}
+
+}  // namespace
+
+std::size_t findErrorMetric(const std::string& name) {
+  std::string known;
+  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
+    if (!isErrorMetric(kMetrics[m].name)) {
+      continue;
+    }
+    if (name == kMetrics[m].name) {
+      return m;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(kMetrics[m].name);
+  }
+  throw Error("objective " + name + ": there is no such error, it must be one of " + known);
+}
+
+std::shared_ptr<const Forest> forestForScene(
+    const std::vector<std::shared_ptr<const Forest>>& forests, const SceneReference& scene) {
+  for (const std::shared_ptr<const Forest>& forest : forests) {
+    if (!wasTrainedOn(*forest, scene)) {
+      return forest;
+    }
+  }
+  throw Error("data set " + scene.data_set.name() + ": every forest given was trained on scene " +
+              scene.scene + "; it needs one that was not, or must be excluded");
+}
+
+TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
+                         const RectificationOptions& rectification, int rows) {
+  TuningScene prepared;
+  StereoScene& pair = prepared.scene;
+  pair = scene.read();
+  pair.left_color.release();
+  const DisparityRange range{0, pair.calibration.disparities};
+  pair.right = alignRightRows(pair.right,
+                              estimateVerticalOffset(pair.left, pair.right, range, rectification));
+  if (rows > 0 && rows < pair.left.rows) {
+    keepMiddleRows(rows, pair);
+  }
+  VolumeBuilder().build(pair.left, pair.right, range, forest, ForestEvaluator(forest),
+                        prepared.volume);
+  return prepared;
+}
+
+double TuningScorer::error(const TuningScene& scene, const StereoOptions& options) {
+  StereoOptions own = options;
+  own.range = {0, scene.scene.calibration.disparities};
+  volume_ = scene.volume;  // estimate changes it
+  StereoResult result;
+  estimator_.estimate(scene.scene.left, scene.scene.right, own, volume_, result);
+  SceneMaps maps = toSceneMaps(result);
+  maps.confidence.release();  // its score takes time and does not count
+  try {
+    return scoreScene(scene.scene, maps).noc[scene.metric];
+  } catch (const Error& error) {
+    throw Error("scene " + scene.scene.name + ": " + error.what());
+  }
+}
+
+}  // namespace cbmv
