@@ -10,6 +10,7 @@
 
 #include "forest_json.h"
 
+#include "cbmv_stereo/confidence/feature_names.h"
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
@@ -88,14 +89,29 @@ Json modelToJson(const Forest& forest) {
   return model;
 }
 
+/// What was not measured is left out.
+void addMeasures(const ForestProvenance& provenance, Json& json) {
+  if (!provenance.reliability.empty()) {
+    json["calibration_error"] = provenance.calibration_error;
+    for (const ReliabilityBin& bin : provenance.reliability) {
+      json["reliability"].push_back({bin.predicted, bin.observed, bin.samples});
+    }
+  }
+  for (std::size_t f = 0; f < provenance.feature_importance.size(); ++f) {
+    json["feature_importance"][kFeatureNames.at(f)] = provenance.feature_importance[f];
+  }
+}
+
 Json provenanceToJson(const ForestProvenance& provenance) {
-  return {{"program", provenance.program},
-          {"data_set", provenance.data_set},
-          {"scenes", provenance.scenes},
-          {"options", provenance.options},
-          {"samples", provenance.samples},
-          {"seed", provenance.seed},
-          {"held_out_log_loss", provenance.held_out_log_loss}};
+  Json json = {{"program", provenance.program},
+               {"data_set", provenance.data_set},
+               {"scenes", provenance.scenes},
+               {"options", provenance.options},
+               {"samples", provenance.samples},
+               {"seed", provenance.seed},
+               {"held_out_log_loss", provenance.held_out_log_loss}};
+  addMeasures(provenance, json);
+  return json;
 }
 
 ObliviousTree treeFromJson(const Json& json) {
@@ -159,6 +175,22 @@ void modelFromJson(const Json& model, Forest& forest) {
   }
 }
 
+/// Forests that were written before there were measures have none.
+void readMeasures(const Json& json, ForestProvenance& provenance) {
+  if (json.contains("reliability")) {
+    provenance.calibration_error = json.at("calibration_error").get<double>();
+    for (const Json& bin : json["reliability"]) {
+      provenance.reliability.push_back(
+          {bin.at(0).get<double>(), bin.at(1).get<double>(), bin.at(2).get<long>()});
+    }
+  }
+  if (json.contains("feature_importance")) {
+    for (const char* name : kFeatureNames) {
+      provenance.feature_importance.push_back(json["feature_importance"].at(name).get<double>());
+    }
+  }
+}
+
 ForestProvenance provenanceFromJson(const Json& json) {
   ForestProvenance provenance;
   provenance.program = json.at("program").get<std::string>();
@@ -168,6 +200,7 @@ ForestProvenance provenanceFromJson(const Json& json) {
   provenance.samples = json.at("samples").get<long>();
   provenance.seed = json.at("seed").get<std::uint64_t>();
   provenance.held_out_log_loss = json.at("held_out_log_loss").get<double>();
+  readMeasures(json, provenance);
   return provenance;
 }
 

@@ -8,10 +8,12 @@
 #include <CLI/CLI.hpp>
 
 #include "data_arguments.h"
+#include "progress_bar.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/training/forest_training.h"
+#include "cbmv_stereo/training/held_out_measures.h"
 #include "cbmv_stereo/training/sample_file.h"
 
 int main(int argc, char** argv) {
@@ -35,16 +37,19 @@ int main(int argc, char** argv) {
   }
 
   return cbmv::runTool("cbmv_train", [&] {
-    const auto report = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
+    cbmv::ProgressBar bar(stdout, cbmv::isTerminal(stdout));
+    const auto progress = [&bar](const cbmv::TrainingStep& step) {
+      bar.show(step.phase, step.done, step.total, step.line);
+    };
     const auto scenes = cbmv::chooseScenes(cbmv::openDataSets(data_sets), filter);
-    const cbmv::Samples samples = cbmv::drawSamples(scenes, options, report);
+    const cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
     if (!exported.empty()) {
       cbmv::writeSamples(samples, exported);
     }
-    const cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, report);
+    const cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
     cbmv::writeForest(forest, output);
-    std::printf("wrote %s: %zu trees, %ld samples, held-out log-loss %.4f\n", output.c_str(),
+    std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),
                 std::max(forest.trees.size(), forest.general_trees.size()),
-                forest.provenance.samples, forest.provenance.held_out_log_loss);
+                cbmv::describeProvenance(forest.provenance).c_str());
   });
 }

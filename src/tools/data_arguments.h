@@ -39,6 +39,11 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
                  "Pixels drawn from each scene for training; each gives up to three samples")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--max-samples", options.max_samples,
+                 "Samples from all scenes together, at most: bounds the memory, some 150 bytes a "
+                 "sample (random forest: 500)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
   const std::map<std::string, ForestKind> kinds = {{"oblivious", ForestKind::kOblivious},
                                                    {"random-forest", ForestKind::kRandomForest}};

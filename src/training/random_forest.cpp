@@ -1,5 +1,6 @@
 #include "cbmv_stereo/training/random_forest.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,7 +14,6 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/forest/tree_walker.h"
 
 namespace cbmv {
 namespace {
@@ -33,11 +33,13 @@ int threadCount() {
 /// The samples that are trained on, as XGBoost holds them.
 class TrainingMatrix {
  public:
-  TrainingMatrix(const Samples& samples, int held_out_every) {
+  explicit TrainingMatrix(const Samples& samples) {
     std::vector<float> rows;
     std::vector<float> labels;
+    const auto trained = std::count(samples.held_out.begin(), samples.held_out.end(), 0);
+    rows.reserve(static_cast<std::size_t>(trained) * kFeatureCount);
     for (long n = 0; n < samples.count(); ++n) {
-      if (n % held_out_every != 0) {
+      if (samples.held_out[n] == 0) {
         for (const std::vector<float>& column : samples.features) {
           rows.push_back(column[n]);
         }
@@ -98,6 +100,22 @@ class RandomForestGrower {
     return parseForest(std::string(text, size), "from XGBoost");
   }
 
+  /// Of all splits, by feature.
+  std::array<double, kFeatureCount> gains() const {
+    bst_ulong count = 0;
+    bst_ulong dimensions = 0;
+    const char** names = nullptr;  // "f0", "f1", …: those that are asked for
+    const bst_ulong* shape = nullptr;
+    const float* scores = nullptr;
+    call(XGBoosterFeatureScore(booster_, R"({"importance_type": "total_gain"})", &count, &names,
+                               &dimensions, &shape, &scores));
+    std::array<double, kFeatureCount> gains{};
+    for (bst_ulong k = 0; k < count; ++k) {
+      gains.at(std::stoul(names[k] + 1)) = scores[k];
+    }
+    return gains;
+  }
+
  private:
   void set(const char* name, const std::string& value) {
     call(XGBoosterSetParam(booster_, name, value.c_str()));
@@ -105,28 +123,6 @@ class RandomForestGrower {
 
   BoosterHandle booster_ = nullptr;
 };
-
-double heldOutLogLoss(const Forest& forest, const Samples& samples, int held_out_every) {
-  std::array<std::vector<float>, kFeatureCount> columns;
-  std::array<const float*, kFeatureCount> lines{};
-  std::vector<std::uint8_t> labels;
-  for (long n = 0; n < samples.count(); n += held_out_every) {
-    for (int f = 0; f < kFeatureCount; ++f) {
-      columns[f].push_back(samples.features[f][n]);
-    }
-    labels.push_back(samples.labels[n]);
-  }
-  for (int f = 0; f < kFeatureCount; ++f) {
-    lines[f] = columns[f].data();
-  }
-  std::vector<float> probabilities(labels.size());
-  TreeWalker(forest).evaluate(lines, static_cast<int>(labels.size()), probabilities.data());
-  double loss = 0;
-  for (std::size_t n = 0; n < labels.size(); ++n) {
-    loss += logLoss(probabilities[n], labels[n]);
-  }
-  return loss / static_cast<double>(labels.size());
-}
 
 void checkOptions(const Samples& samples, const RandomForestOptions& options) {
   requireForTraining(
@@ -138,7 +134,7 @@ void checkOptions(const Samples& samples, const RandomForestOptions& options) {
       "the features per split must be in [1, " + std::to_string(kFeatureCount) + "]");
   requireForTraining(options.samples_per_tree > 0 && options.samples_per_tree <= 1,
                      "the part of the samples per tree must be in (0, 1]");
-  requireBothClasses(samples, options.held_out_every);
+  requireBothClasses(samples);
 }
 
 }  // namespace
@@ -146,12 +142,12 @@ void checkOptions(const Samples& samples, const RandomForestOptions& options) {
 Forest trainRandomForest(const Samples& samples, const RandomForestOptions& options,
                          std::uint64_t seed) {
   checkOptions(samples, options);
-  const TrainingMatrix matrix(samples, options.held_out_every);
+  const TrainingMatrix matrix(samples);
   RandomForestGrower grower(matrix);
   grower.grow(matrix, options, seed);
   Forest forest = grower.forest();
   forest.provenance.samples = samples.count();
-  forest.provenance.held_out_log_loss = heldOutLogLoss(forest, samples, options.held_out_every);
+  forest.provenance.feature_importance = shares(grower.gains());
   return forest;
 }
 

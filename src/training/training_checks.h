@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/training/sampling.h"
@@ -17,17 +19,28 @@ inline void requireForTraining(bool good, const std::string& sentence) {
   }
 }
 
-/// Of the samples that are trained on: all but each `held_out_every`-th.
-inline void requireBothClasses(const Samples& samples, int held_out_every) {
-  requireForTraining(held_out_every >= 2, "the held-out step must be at least 2");
+/// Of the samples that are trained on, and some that are not.
+inline void requireBothClasses(const Samples& samples) {
   std::array<long, 2> counts{};
   for (long n = 0; n < samples.count(); ++n) {
-    counts[samples.labels[n]] += n % held_out_every == 0 ? 0 : 1;
+    counts[samples.labels[n]] += samples.held_out[n] == 1 ? 0 : 1;
   }
   requireForTraining(counts[0] > 0 && counts[1] > 0,
                      "correct and wrong samples are both needed, there are " +
                          std::to_string(counts[1]) + " and " + std::to_string(counts[0]) +
                          " to train on");
+  requireForTraining(counts[0] + counts[1] < samples.count(),
+                     "no sample is held out; a scene must have at least ten rows");
+}
+
+/// The parts of each in their sum.
+inline std::vector<double> shares(const std::array<double, kFeatureCount>& amounts) {
+  const double sum = std::accumulate(amounts.begin(), amounts.end(), 0.0);
+  std::vector<double> parts;
+  for (const double amount : amounts) {
+    parts.push_back(sum > 0 ? amount / sum : 0);
+  }
+  return parts;
 }
 
 /// In nats, of a sample's label under the probability that it is 1.

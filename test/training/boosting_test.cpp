@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -62,7 +63,7 @@ TEST(Boosting, ReportsTheLogLossOfItsForest) {
   const Forest forest = trainForest(samples, options, ignoreProgress);
   double loss = 0;
   int count = 0;
-  for (long n = 0; n < samples.count(); n += options.held_out_every, ++count) {
+  for (long n = 0; n < samples.count(); n += 10, ++count) {
     const double log_odds = naiveLogOdds(forest, [&](int f) {
       const CodeMap& map = forest.quantizer.maps[f];
       return std::clamp(std::floor(map.scale * samples.features[f][n] + map.offset), 0.0F, 255.0F);
@@ -77,13 +78,27 @@ TEST(Boosting, HeldOutSamplesHaveNoSay) {
   BoostingOptions options;
   options.trees = 3;
   const Forest forest = trainForest(samples, options, ignoreProgress);
-  for (long n = 0; n < samples.count(); n += options.held_out_every) {
+  for (long n = 0; n < samples.count(); n += 10) {
     samples.labels[n] = static_cast<std::uint8_t>(1 - samples.labels[n]);
   }
   const Forest other = trainForest(samples, options, ignoreProgress);
   EXPECT_EQ(forest.bias, other.bias);
   for (std::size_t t = 0; t < forest.trees.size(); ++t) {
     EXPECT_EQ(forest.trees[t].leaves, other.trees[t].leaves);
+  }
+}
+
+/// The labels hang on features 2 and 15 alone.
+TEST(Boosting, NamesTheFeaturesThatMatter) {
+  BoostingOptions options;
+  options.trees = 8;
+  options.depth = 2;
+  const Forest forest = trainForest(checkerboard(20000), options, ignoreProgress);
+  const std::vector<double>& importance = forest.provenance.feature_importance;
+  ASSERT_EQ(importance.size(), std::size_t{kFeatureCount});
+  EXPECT_NEAR(std::accumulate(importance.begin(), importance.end(), 0.0), 1, 1e-9);
+  for (int f = 0; f < kFeatureCount; ++f) {
+    EXPECT_EQ(importance[f] > 0.3, f == 2 || f == 15) << f << ": " << importance[f];
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,8 +20,6 @@
 
 namespace cbmv::test {
 namespace {
-
-bool heldOut(long n) { return n % RandomForestOptions().held_out_every == 0; }
 
 std::vector<float> walk(const Forest& forest, const Samples& samples) {
   std::array<const float*, kFeatureCount> lines{};
@@ -52,7 +50,7 @@ TEST_F(RandomForest, LeavesHoldTheShareOfCorrectSamples) {
   const std::vector<float> answers = walk(forest, samples);
   std::vector<std::pair<float, int>> sorted;
   for (long n = 0; n < samples.count(); ++n) {
-    if (!heldOut(n)) {
+    if (samples.held_out[n] == 0) {
       sorted.emplace_back(answers[n], samples.labels[n]);
     }
   }
@@ -83,17 +81,17 @@ TEST_F(RandomForest, LearnsTheCheckerboard) {
   EXPECT_NEAR(probability(0.7, 0.8), 0.1, 0.1);
 }
 
-TEST_F(RandomForest, ReportsTheLogLossOfItsForest) {
-  const Samples samples = checkerboard(20000);
+/// The labels hang on features 2 and 15 alone.
+TEST_F(RandomForest, NamesTheFeaturesThatMatter) {
   RandomForestOptions options;
   options.trees = 10;
-  const Forest forest = trainRandomForest(samples, options, 1);
-  const std::vector<float> answers = walk(forest, samples);
-  double loss = 0;
-  for (long n = 0; n < samples.count(); n += 10) {
-    loss -= std::log(samples.labels[n] == 1 ? answers[n] : 1 - answers[n]) / 2000;
+  const Forest forest = trainRandomForest(checkerboard(20000), options, 1);
+  const std::vector<double>& importance = forest.provenance.feature_importance;
+  ASSERT_EQ(importance.size(), std::size_t{kFeatureCount});
+  EXPECT_NEAR(std::accumulate(importance.begin(), importance.end(), 0.0), 1, 1e-9);
+  for (int f = 0; f < kFeatureCount; ++f) {
+    EXPECT_EQ(importance[f] > 0.2, f == 2 || f == 15) << f << ": " << importance[f];
   }
-  EXPECT_NEAR(forest.provenance.held_out_log_loss, loss, 1e-6);
   EXPECT_EQ(forest.provenance.samples, 20000);
 }
 

@@ -9,6 +9,13 @@
 
 namespace cbmv {
 
+/// Samples that a forest gives about the same probability.
+struct ReliabilityBin {
+  double predicted = 0;  ///< mean probability
+  double observed = 0;   ///< part of them that is correct
+  long samples = 0;
+};
+
 /// Where a forest comes from: for people and for `info`; the method does not read it.
 struct ForestProvenance {
   std::string program;              ///< name and version of the trainer
@@ -18,6 +25,11 @@ struct ForestProvenance {
   long samples = 0;                 ///< training samples
   std::uint64_t seed = 0;
   double held_out_log_loss = 0;  ///< nats per sample, on samples that were not trained on
+  /// On the same samples, in order of probability; empty: not measured.
+  std::vector<ReliabilityBin> reliability;
+  double calibration_error = 0;  ///< expected: mean over the samples of |predicted − observed|
+  /// Of each feature, the part of what all splits gained, sum 1; empty: not measured.
+  std::vector<double> feature_importance;
 };
 
 /// A tree in which all nodes of a level ask the same question: the answers, one bit a level, are

@@ -12,7 +12,6 @@ struct RandomForestOptions {
   int samples_per_leaf = 700;       ///< at least
   int features_per_split = 4;       ///< drawn anew for each node; √20, rounded
   double samples_per_tree = 0.632;  ///< part drawn for each tree: what a bootstrap sample holds
-  int held_out_every = 10;          ///< each such sample is kept for measuring only
 };
 
 /// The forest of the paper (Batsos et al. 2018, section 3.3), grown by XGBoost: each tree from its
@@ -20,8 +19,9 @@ struct RandomForestOptions {
 /// quantiles of some features; a leaf holds the share of its samples that are correct, and the
 /// forest answers with the mean over its trees. The trees are general ones.
 ///
-/// The same forest with any number of threads. Throws Error if an option is out of range or one of
-/// the classes has no samples. The result's provenance holds samples and held_out_log_loss.
+/// The same forest with any number of threads. Throws Error if an option is out of range, one of
+/// the classes has no samples or none is held out. The result's provenance holds samples and
+/// feature_importance: the part of the impurity removed by each feature's splits.
 Forest trainRandomForest(const Samples& samples, const RandomForestOptions& options,
                          std::uint64_t seed);
 
