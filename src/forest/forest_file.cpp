@@ -22,7 +22,7 @@ constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
 constexpr const char* kProbability = "probability";
-constexpr std::streamoff kLargestFile = 16 << 20;
+constexpr std::streamoff kLargestFile = 64 << 20;
 
 [[noreturn]] void fail(const std::string& file, const std::string& fault) {
   throw Error("forest " + file + ": " + fault);
@@ -211,7 +211,7 @@ std::string readText(const std::string& path) {
   }
   const std::streamoff size = file.tellg();
   if (size < 0 || size > kLargestFile) {
-    fail(path, "is not a forest file, which has at most 16 MiB");
+    fail(path, "is not a forest file, which has at most 64 MiB");
   }
   std::string text(static_cast<std::size_t>(size), '\0');
   file.seekg(0);

@@ -40,8 +40,8 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
-                 "Samples from all scenes together, at most: bounds the memory, some 150 bytes a "
-                 "sample (random forest: 500)")
+                 "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
+                 "sample (random forest: 400)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
@@ -66,6 +66,9 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
       ->capture_default_str();
   app.add_option("--samples-per-leaf", options.random_forest.samples_per_leaf,
                  "Fewest samples in a leaf of a random forest")
+      ->capture_default_str();
+  app.add_option("--features-per-split", options.random_forest.features_per_split,
+                 "Features drawn for each split of a random forest")
       ->capture_default_str();
 }
 

@@ -14,12 +14,13 @@ void writeSamples(const Samples& samples, const std::string& path) {
   for (const char* name : kFeatureNames) {
     file << name << ',';
   }
-  file << "label\n";
+  file << "label,held_out\n";
   for (long n = 0; n < samples.count(); ++n) {
     for (const std::vector<float>& column : samples.features) {
       file << column[n] << ',';
     }
-    file << static_cast<int>(samples.labels[n]) << '\n';
+    file << static_cast<int>(samples.labels[n]) << ',' << static_cast<int>(samples.held_out[n])
+         << '\n';
   }
   file.close();
   if (!file) {

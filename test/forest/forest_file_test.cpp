@@ -47,6 +47,32 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(place, from.size(), to);
 }
 
+TEST(ForestFile, KeepsTheMeasures) {
+  Forest forest = makeForest(2, 3, 1);
+  forest.provenance.reliability = {{0.05, 0.0625, 12}, {0.95, 0.875, 8}};
+  forest.provenance.calibration_error = 0.0375;
+  for (int f = 0; f < kFeatureCount; ++f) {
+    forest.provenance.feature_importance.push_back(f / 190.0);
+  }
+  writeForest(forest, pathOf("measured"));
+  const ForestProvenance read = readForest(pathOf("measured")).provenance;
+  ASSERT_EQ(read.reliability.size(), 2U);
+  EXPECT_EQ(read.reliability[1].predicted, 0.95);
+  EXPECT_EQ(read.reliability[1].observed, 0.875);
+  EXPECT_EQ(read.reliability[1].samples, 8);
+  EXPECT_EQ(read.calibration_error, 0.0375);
+  EXPECT_EQ(read.feature_importance, forest.provenance.feature_importance);
+}
+
+/// As forests of version 1 were at first.
+TEST(ForestFile, MayHoldNoMeasures) {
+  writeForest(makeForest(2, 3, 1), pathOf("unmeasured"));
+  EXPECT_EQ(readAll(pathOf("unmeasured")).find("reliability"), std::string::npos);
+  const ForestProvenance read = readForest(pathOf("unmeasured")).provenance;
+  EXPECT_TRUE(read.reliability.empty());
+  EXPECT_TRUE(read.feature_importance.empty());
+}
+
 TEST(ForestFile, KeepsEverything) {
   const Forest forest = makeForest(20, 8, 1);
   writeForest(forest, pathOf("kept"));

@@ -26,7 +26,7 @@ TEST(SampleFile, HoldsAllSamplesExactly) {
   for (const char* name : kFeatureNames) {
     head += std::string(name) + ",";
   }
-  EXPECT_EQ(line, head + "label");
+  EXPECT_EQ(line, head + "label,held_out");
   for (long n = 0; n < samples.count(); ++n) {
     ASSERT_TRUE(std::getline(file, line));
     std::istringstream cells(line);
@@ -36,7 +36,7 @@ TEST(SampleFile, HoldsAllSamplesExactly) {
       EXPECT_EQ(std::stof(cell), column[n]);
     }
     std::getline(cells, cell);
-    EXPECT_EQ(cell, std::to_string(samples.labels[n]));
+    EXPECT_EQ(cell, std::to_string(samples.labels[n]) + "," + std::to_string(samples.held_out[n]));
   }
   EXPECT_FALSE(std::getline(file, line));
 }
