@@ -9,8 +9,9 @@ namespace cbmv {
 
 struct RandomForestOptions {
   int trees = 50;
-  int samples_per_leaf = 700;       ///< at least
-  int features_per_split = 4;       ///< drawn anew for each node; √20, rounded
+  /// At least. The paper's 700 are of many more samples; of these, they make trees too small.
+  int samples_per_leaf = 50;
+  int features_per_split = 10;      ///< drawn anew for each node
   double samples_per_tree = 0.632;  ///< part drawn for each tree: what a bootstrap sample holds
 };
 
