@@ -41,7 +41,7 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
                  "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
-                 "sample (random forest: 400)")
+                 "sample (random forest: 1800)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
