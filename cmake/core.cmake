@@ -1,9 +1,9 @@
-# The ROS-free library `cbmv`: every folder of src but ros and tools.
+# The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools; of evaluation
+# all but the folds, which train.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
 find_package(nlohmann_json REQUIRED)
-find_package(NLopt REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
@@ -21,12 +21,14 @@ if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
 endif()
 
 set(CBMV_STAGES rectification matching confidence forest volume optimization refinement pipeline
-    io evaluation training tuning)
+    io evaluation)
 set(CBMV_SOURCES)
 foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
   list(APPEND CBMV_SOURCES ${stage_sources})
 endforeach()
+set(CBMV_TRAINING_EVALUATION ${PROJECT_SOURCE_DIR}/src/evaluation/folds.cpp)
+list(REMOVE_ITEM CBMV_SOURCES ${CBMV_TRAINING_EVALUATION})
 
 add_library(cbmv SHARED ${CBMV_SOURCES})
 target_include_directories(cbmv PUBLIC
@@ -34,7 +36,25 @@ target_include_directories(cbmv PUBLIC
 target_include_directories(cbmv SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
 # The vector code includes itself once per instruction set, by its path below src.
 target_include_directories(cbmv PRIVATE ${PROJECT_SOURCE_DIR}/src)
-target_compile_definitions(cbmv PRIVATE CBMV_VERSION="${PROJECT_VERSION}" ${CBMV_HIGHWAY_OPTIONS})
+target_compile_definitions(cbmv PRIVATE ${CBMV_HIGHWAY_OPTIONS})
 target_link_libraries(cbmv
   PUBLIC ${OpenCV_LIBS}
-  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json NLopt::nlopt yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
+  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
+
+# Training and tuning, for the command-line programs alone: no node has to load XGBoost and NLopt.
+# Debian's CMake files for XGBoost want its program too, which is of no use here.
+find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
+find_library(XGBOOST_LIBRARY xgboost)
+if(NOT XGBOOST_INCLUDE_DIR OR NOT XGBOOST_LIBRARY)
+  message(FATAL_ERROR "XGBoost's library is missing: install libxgboost-dev")
+endif()
+add_library(xgboost_c_api UNKNOWN IMPORTED)
+set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
+                      INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
+find_package(NLopt REQUIRED)
+file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp
+     ${PROJECT_SOURCE_DIR}/src/tuning/*.cpp)
+add_library(cbmv_training STATIC ${training_sources} ${CBMV_TRAINING_EVALUATION})
+target_compile_definitions(cbmv_training PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
+target_link_libraries(cbmv_training PUBLIC cbmv
+  PRIVATE xgboost_c_api NLopt::nlopt nlohmann_json::nlohmann_json TBB::tbb)

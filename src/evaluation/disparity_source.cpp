@@ -7,7 +7,6 @@
 #include "../io/binary_file.h"
 #include "../io/scene_files.h"
 
-#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -42,35 +41,6 @@ SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
   return maps;
 }
 
-/// Trains the forest of a fold when the first of its scenes comes.
-class FoldMatcher {
- public:
-  FoldMatcher(std::vector<SceneReference> scenes, const TrainingOptions& training,
-              const StereoOptions& options, std::function<void(const std::string&)> report)
-      : scenes_(std::move(scenes)),
-        training_(training),
-        options_(options),
-        report_(std::move(report)) {}
-
-  SceneMaps match(const StereoScene& scene) {
-    const std::size_t fold = foldOf(scene.name);
-    if (matcher_ == nullptr || fold != fold_) {
-      matcher_ = std::make_unique<StereoMatcher>(
-          std::make_shared<Forest>(trainWithoutFold(fold, scenes_, training_, report_)), options_);
-      fold_ = fold;
-    }
-    return matchScene(*matcher_, scene);
-  }
-
- private:
-  std::vector<SceneReference> scenes_;
-  TrainingOptions training_;
-  StereoOptions options_;
-  std::function<void(const std::string&)> report_;
-  std::unique_ptr<StereoMatcher> matcher_;
-  std::size_t fold_ = 0;
-};
-
 }  // namespace
 
 SceneMaps toSceneMaps(const StereoResult& result) {
@@ -96,16 +66,6 @@ void writeMaps(const std::string& folder, const StereoScene& scene, const SceneM
   if (!maps.confidence.empty()) {
     writePfm(base + "_confidence.pfm", maps.confidence);
   }
-}
-
-DisparitySource foldSource(const std::vector<SceneReference>& scenes,
-                           const TrainingOptions& training, const StereoOptions& options,
-                           const std::function<void(const std::string&)>& report) {
-  for (const SceneReference& scene : scenes) {
-    foldOf(scene.scene);  // refuses before the first training
-  }
-  const auto matcher = std::make_shared<FoldMatcher>(scenes, training, options, report);
-  return [matcher](const StereoScene& scene) { return matcher->match(scene); };
 }
 
 }  // namespace cbmv

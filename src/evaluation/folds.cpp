@@ -18,6 +18,35 @@ std::vector<SceneReference> ofMiddlebury(const std::vector<SceneReference>& scen
   return found;
 }
 
+/// Trains the forest of a fold when the first of its scenes comes.
+class FoldMatcher {
+ public:
+  FoldMatcher(std::vector<SceneReference> scenes, const TrainingOptions& training,
+              const StereoOptions& options, TrainingReport report)
+      : scenes_(std::move(scenes)),
+        training_(training),
+        options_(options),
+        report_(std::move(report)) {}
+
+  SceneMaps match(const StereoScene& scene) {
+    const std::size_t fold = foldOf(scene.name);
+    if (source_ == nullptr || fold != fold_) {
+      source_ = matchingSource(
+          std::make_shared<Forest>(trainWithoutFold(fold, scenes_, training_, report_)), options_);
+      fold_ = fold;
+    }
+    return source_(scene);
+  }
+
+ private:
+  std::vector<SceneReference> scenes_;
+  TrainingOptions training_;
+  StereoOptions options_;
+  TrainingReport report_;
+  DisparitySource source_;
+  std::size_t fold_ = 0;
+};
+
 }  // namespace
 
 std::vector<std::vector<std::string>> middleburyFolds() {
@@ -50,8 +79,7 @@ std::vector<std::string> orderByFold(const std::vector<std::string>& scenes) {
 }
 
 Forest trainWithoutFold(std::size_t fold, const std::vector<SceneReference>& scenes,
-                        const TrainingOptions& training,
-                        const std::function<void(const std::string&)>& report) {
+                        const TrainingOptions& training, const TrainingReport& report) {
   report("training the forest of fold " + std::to_string(fold + 1));
   std::vector<SceneReference> others;
   for (const SceneReference& scene : scenes) {
@@ -67,9 +95,10 @@ Forest trainWithoutFold(std::size_t fold, const std::vector<SceneReference>& sce
   return forest;
 }
 
-std::vector<std::shared_ptr<const Forest>> trainFolds(
-    const std::vector<SceneReference>& wanted, const std::vector<SceneReference>& pool,
-    const TrainingOptions& training, const std::function<void(const std::string&)>& report) {
+std::vector<std::shared_ptr<const Forest>> trainFolds(const std::vector<SceneReference>& wanted,
+                                                      const std::vector<SceneReference>& pool,
+                                                      const TrainingOptions& training,
+                                                      const TrainingReport& report) {
   std::set<std::size_t> folds;
   for (const SceneReference& scene : ofMiddlebury(wanted)) {
     folds.insert(foldOf(scene.scene));
@@ -84,6 +113,16 @@ std::vector<std::shared_ptr<const Forest>> trainFolds(
         std::make_shared<Forest>(trainWithoutFold(fold, ofMiddlebury(pool), training, report)));
   }
   return forests;
+}
+
+DisparitySource foldSource(const std::vector<SceneReference>& scenes,
+                           const TrainingOptions& training, const StereoOptions& options,
+                           const TrainingReport& report) {
+  for (const SceneReference& scene : scenes) {
+    foldOf(scene.scene);  // refuses before the first training
+  }
+  const auto matcher = std::make_shared<FoldMatcher>(scenes, training, options, report);
+  return [matcher](const StereoScene& scene) { return matcher->match(scene); };
 }
 
 }  // namespace cbmv

@@ -214,7 +214,7 @@ std::uint8_t costOfLogOdds(double log_odds) {
 
 }  // namespace
 
-ForestEvaluator::ForestEvaluator(const Forest& forest) {
+ForestEvaluator::ForestEvaluator(const Forest& forest) : walker_(forest) {
   std::int32_t lowest_sum = 0;
   std::int32_t highest_sum = 0;
   for (const ObliviousTree& tree : forest.trees) {
@@ -231,6 +231,15 @@ ForestEvaluator::ForestEvaluator(const Forest& forest) {
 void ForestEvaluator::evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes,
                                int count, std::uint8_t* costs) const {
   HWY_DYNAMIC_DISPATCH(evaluateForest)(trees_, cost_of_sum_.data(), codes, count, costs);
+}
+
+void ForestEvaluator::evaluate(const std::array<const float*, kFeatureCount>& values, int count,
+                               std::uint8_t* costs) const {
+  std::vector<float> probabilities(count);
+  walker_.evaluate(values, count, probabilities.data());
+  std::transform(probabilities.begin(), probabilities.end(), costs, [](float probability) {
+    return static_cast<std::uint8_t>(std::lround(255.0F * (1.0F - probability)));
+  });
 }
 
 }  // namespace cbmv

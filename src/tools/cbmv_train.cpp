@@ -1,5 +1,6 @@
 // Trains a forest on pairs with ground truth.
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -7,20 +8,27 @@
 #include <CLI/CLI.hpp>
 
 #include "data_arguments.h"
+#include "progress_bar.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/training/forest_training.h"
+#include "cbmv_stereo/training/held_out_measures.h"
+#include "cbmv_stereo/training/sample_file.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Trains a forest on rectified stereo pairs with ground truth"};
   std::vector<std::string> data_sets;
   cbmv::SceneFilter filter;
   std::string output;
+  std::string exported;
   cbmv::TrainingOptions options;
   cbmv::addDataSetOption(app, data_sets);
   cbmv::addSceneOptions(app, filter);
   app.add_option("--output", output, "The forest to write")->required();
+  app.add_option("--export-samples", exported,
+                 "CSV file to write the samples to that the forest is trained on: the values of "
+                 "the features and the label, 1 correct, 0 wrong");
   cbmv::addTrainingOptions(app, options);
   try {
     app.parse(argc, argv);
@@ -29,12 +37,19 @@ int main(int argc, char** argv) {
   }
 
   return cbmv::runTool("cbmv_train", [&] {
-    const cbmv::Forest forest =
-        cbmv::trainOnScenes(cbmv::chooseScenes(cbmv::openDataSets(data_sets), filter), options,
-                            [](const std::string& line) { std::printf("%s\n", line.c_str()); });
+    cbmv::ProgressBar bar(stdout, cbmv::isTerminal(stdout));
+    const auto progress = [&bar](const cbmv::TrainingStep& step) {
+      bar.show(step.phase, step.done, step.total, step.line);
+    };
+    const auto scenes = cbmv::chooseScenes(cbmv::openDataSets(data_sets), filter);
+    const cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
+    if (!exported.empty()) {
+      cbmv::writeSamples(samples, exported);
+    }
+    const cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
     cbmv::writeForest(forest, output);
-    std::printf("wrote %s: %zu trees, %ld samples, held-out log-loss %.4f\n", output.c_str(),
-                forest.trees.size(), forest.provenance.samples,
-                forest.provenance.held_out_log_loss);
+    std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),
+                std::max(forest.trees.size(), forest.general_trees.size()),
+                cbmv::describeProvenance(forest.provenance).c_str());
   });
 }

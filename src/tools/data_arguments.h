@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -38,10 +39,37 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
                  "Pixels drawn from each scene for training; each gives up to three samples")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--max-samples", options.max_samples,
+                 "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
+                 "sample (random forest: 1800)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
-  app.add_option("--trees", options.boosting.trees)->capture_default_str();
-  app.add_option("--depth", options.boosting.depth, "Levels a tree")->capture_default_str();
-  app.add_option("--learning-rate", options.boosting.learning_rate)->capture_default_str();
+  const std::map<std::string, ForestKind> kinds = {{"oblivious", ForestKind::kOblivious},
+                                                   {"random-forest", ForestKind::kRandomForest}};
+  app.add_option_function<std::string>(
+         "--kind", [&options, kinds](const std::string& kind) { options.kind = kinds.at(kind); },
+         "oblivious: boosted oblivious trees, fast (the default); random-forest: the paper's "
+         "forest, slow to match with")
+      ->check(CLI::IsMember(kinds));
+  app.add_option_function<int>(
+      "--trees",
+      [&options](int trees) {
+        options.boosting.trees = trees;
+        options.random_forest.trees = trees;
+      },
+      "Default " + std::to_string(options.boosting.trees) + ", of a random forest " +
+          std::to_string(options.random_forest.trees));
+  app.add_option("--depth", options.boosting.depth, "Levels of an oblivious tree")
+      ->capture_default_str();
+  app.add_option("--learning-rate", options.boosting.learning_rate, "Of oblivious trees")
+      ->capture_default_str();
+  app.add_option("--samples-per-leaf", options.random_forest.samples_per_leaf,
+                 "Fewest samples in a leaf of a random forest")
+      ->capture_default_str();
+  app.add_option("--features-per-split", options.random_forest.features_per_split,
+                 "Features drawn for each split of a random forest")
+      ->capture_default_str();
 }
 
 }  // namespace cbmv

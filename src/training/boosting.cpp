@@ -8,7 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/error.h"
+#include "training_checks.h"
 
 namespace cbmv {
 namespace {
@@ -38,14 +38,17 @@ struct Derivatives {
 
 struct Question {
   ObliviousTree::Level level;
-  double score = -1;
+  double gain = -1;  ///< what it lowers the loss by, times two
 };
 
 /// State of a training: codes and current log-odds of every sample.
 class Booster {
  public:
   Booster(const Samples& samples, const BoostingOptions& options, const FeatureQuantizer& quantizer)
-      : options_(options), labels_(samples.labels), scores_(samples.labels.size(), 0) {
+      : options_(options),
+        labels_(samples.labels),
+        held_out_(samples.held_out),
+        scores_(samples.labels.size(), 0) {
     tbb::parallel_for(0, kFeatureCount, [&](int f) {
       codes_[f].resize(labels_.size());
       quantize(quantizer.maps[f], samples.features[f].data(), static_cast<int>(labels_.size()),
@@ -58,14 +61,18 @@ class Booster {
   }
 
   double bias() const { return bias_; }
+  /// Of the questions of all trees, by feature.
+  const std::array<double, kFeatureCount>& gains() const { return gains_; }
 
   ObliviousTree addTree() {
     computeDerivatives();
     std::fill(leaf_numbers_.begin(), leaf_numbers_.end(), std::uint8_t{0});
     ObliviousTree tree;
     for (int depth = 0; depth < options_.depth; ++depth) {
-      tree.levels.push_back(bestQuestion(1 << depth));
-      splitLeaves(tree.levels.back(), depth);
+      const Question question = bestQuestion(1 << depth);
+      gains_[question.level.feature] += question.gain;
+      tree.levels.push_back(question.level);
+      splitLeaves(question.level, depth);
     }
     tree.leaves = leafValues(1 << options_.depth);
     for (std::size_t n = 0; n < scores_.size(); ++n) {
@@ -77,15 +84,17 @@ class Booster {
   double heldOutLogLoss() const {
     double loss = 0;
     std::size_t count = 0;
-    for (std::size_t n = 0; n < labels_.size(); n += options_.held_out_every, ++count) {
-      const double probability = logistic(bias_ + options_.leaf_unit * scores_[n]);
-      loss -= std::log(std::max(1e-12, labels_[n] == 1 ? probability : 1 - probability));
+    for (std::size_t n = 0; n < labels_.size(); ++n) {
+      if (heldOut(n)) {
+        loss += logLoss(logistic(bias_ + options_.leaf_unit * scores_[n]), labels_[n]);
+        ++count;
+      }
     }
     return loss / static_cast<double>(count);
   }
 
  private:
-  bool heldOut(std::size_t n) const { return n % options_.held_out_every == 0; }
+  bool heldOut(std::size_t n) const { return held_out_[n] == 1; }
 
   /// Log-odds of the samples that are trained on.
   double trainedLogOdds() const {
@@ -120,10 +129,11 @@ class Booster {
     }
     const auto best = std::max_element(scores.begin() + 1, scores.end());
     return {{static_cast<std::uint8_t>(feature), static_cast<std::uint8_t>(best - scores.begin())},
-            *best};
+            *best - scores[0]};
   }
 
-  /// What each threshold lowers the loss by within one leaf, up to a constant.
+  /// What each threshold lowers the loss by within one leaf, times two, up to a constant; threshold
+  /// 0 splits nothing.
   void addScores(const std::array<Derivatives, kCodes>& bins,
                  std::array<double, kCodes>& scores) const {
     Derivatives all;
@@ -132,26 +142,28 @@ class Booster {
       all.second += bin.second;
     }
     Derivatives below;
-    for (int threshold = 1; threshold < kCodes; ++threshold) {
-      below.first += bins[threshold - 1].first;
-      below.second += bins[threshold - 1].second;
+    for (int threshold = 0; threshold < kCodes; ++threshold) {
       scores[threshold] +=
           score(below) + score({all.first - below.first, all.second - below.second});
+      below.first += bins[threshold].first;
+      below.second += bins[threshold].second;
     }
   }
 
   double score(const Derivatives& sum) const {
+    if (sum.first == 0) {
+      return 0;  // also without regularization
+    }
     const double first = static_cast<double>(sum.first) * kDerivativeUnit;
     return first * first /
            (static_cast<double>(sum.second) * kDerivativeUnit + options_.regularization);
   }
 
-  ObliviousTree::Level bestQuestion(int leaves) const {
+  Question bestQuestion(int leaves) const {
     std::array<Question, kFeatureCount> questions;
     tbb::parallel_for(0, kFeatureCount, [&](int f) { questions[f] = bestThreshold(f, leaves); });
-    return std::max_element(questions.begin(), questions.end(),
-                            [](const Question& a, const Question& b) { return a.score < b.score; })
-        ->level;
+    return *std::max_element(questions.begin(), questions.end(),
+                             [](const Question& a, const Question& b) { return a.gain < b.gain; });
   }
 
   void splitLeaves(const ObliviousTree::Level& level, int depth) {
@@ -179,36 +191,28 @@ class Booster {
   }
 
   BoostingOptions options_;
-  std::vector<std::uint8_t> labels_;
+  const std::vector<std::uint8_t>& labels_;
+  const std::vector<std::uint8_t>& held_out_;
   std::array<std::vector<std::uint8_t>, kFeatureCount> codes_;
   std::vector<std::int32_t> scores_;  ///< in leaf units, without the bias
   double bias_ = 0;
+  std::array<double, kFeatureCount> gains_{};
   std::vector<std::int32_t> first_;  ///< derivatives, in units of kDerivativeUnit
   std::vector<std::int32_t> second_;
   std::vector<std::uint8_t> leaf_numbers_;
 };
 
 void checkOptions(const Samples& samples, const BoostingOptions& options) {
-  const auto require = [](bool good, const std::string& sentence) {
-    if (!good) {
-      throw Error("training: " + sentence);
-    }
-  };
-  require(options.leaf_unit > 0 && options.regularization >= 0 && options.held_out_every >= 2,
-          "leaf unit, regularization and held-out step must be positive");
-  std::array<long, 2> counts{};
-  for (long n = 0; n < samples.count(); ++n) {
-    counts[samples.labels[n]] += n % options.held_out_every == 0 ? 0 : 1;
-  }
-  require(counts[0] > 0 && counts[1] > 0, "correct and wrong samples are both needed, there are " +
-                                              std::to_string(counts[1]) + " and " +
-                                              std::to_string(counts[0]) + " to train on");
-  require(options.trees >= 1 && options.trees <= Forest::kMaxTrees,
-          "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
-  require(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
-          "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
-  require(options.learning_rate > 0 && options.learning_rate <= 1,
-          "the learning rate must be in (0, 1]");
+  requireForTraining(options.leaf_unit > 0 && options.regularization >= 0,
+                     "leaf unit and regularization must be positive");
+  requireBothClasses(samples);
+  requireForTraining(
+      options.trees >= 1 && options.trees <= Forest::kMaxTrees,
+      "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
+  requireForTraining(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
+                     "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
+  requireForTraining(options.learning_rate > 0 && options.learning_rate <= 1,
+                     "the learning rate must be in (0, 1]");
 }
 
 }  // namespace
@@ -245,6 +249,7 @@ Forest trainForest(const Samples& samples, const BoostingOptions& options,
     progress(tree, forest.provenance.held_out_log_loss);
   }
   forest.provenance.samples = samples.count();
+  forest.provenance.feature_importance = shares(booster.gains());
   return forest;
 }
 

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cbmv_stereo/training/sampling.h"
+#include "training_checks.h"
+
+#include "cbmv_stereo/training/held_out_measures.h"
 
 namespace cbmv {
 namespace {
+
+constexpr std::size_t kSamplesPerPixel = 3;
 
 TrainingPair preparePair(const StereoScene& scene, const RectificationOptions& options) {
   const DisparityRange range{0, scene.calibration.disparities};
@@ -15,6 +19,15 @@ TrainingPair preparePair(const StereoScene& scene, const RectificationOptions& o
     right = alignRightRows(right, estimateVerticalOffset(scene.left, right, range, options));
   }
   return {scene.left, right, scene.truth, scene.visible, range};
+}
+
+/// Growing while scenes come would take twice the memory.
+void reserve(Samples& samples, std::size_t count) {
+  for (std::vector<float>& column : samples.features) {
+    column.reserve(count);
+  }
+  samples.labels.reserve(count);
+  samples.held_out.reserve(count);
 }
 
 /// Titles of the data sets, each once.
@@ -31,44 +44,82 @@ std::string dataSetTitles(const std::vector<SceneReference>& scenes) {
   return text;
 }
 
-Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
-                    const std::function<void(const std::string&)>& report) {
-  Samples samples;
-  for (std::size_t s = 0; s < scenes.size(); ++s) {
-    appendSamples(preparePair(scenes[s].read(), options.rectification), options.pixels_per_scene,
-                  options.seed + s, samples);
-    report("sampled " + scenes[s].scene + ", " + std::to_string(samples.count()) +
-           " samples so far");
-  }
-  return samples;
+Forest trainOblivious(const Samples& samples, const BoostingOptions& options,
+                      const TrainingProgress& progress) {
+  return trainForest(samples, options, [&](int tree, double log_loss) {
+    std::ostringstream line;
+    if (tree % 8 == 0 || tree == options.trees) {
+      line << "tree " << tree << " of " << options.trees << ", held-out log-loss " << log_loss;
+    }
+    progress({"boosting", tree, options.trees, line.str()});
+  });
+}
+
+Forest trainPaperForest(const Samples& samples, const TrainingOptions& options,
+                        const TrainingProgress& progress) {
+  progress({"growing", 0, 1, ""});  // all trees at once
+  Forest forest = trainRandomForest(samples, options.random_forest, options.seed);
+  progress({"growing", 1, 1,
+            "grew " + std::to_string(options.random_forest.trees) + " trees of a random forest"});
+  return forest;
 }
 
 }  // namespace
 
 std::string describe(const TrainingOptions& options) {
-  const BoostingOptions& boosting = options.boosting;
   std::ostringstream text;
-  text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
-       << boosting.learning_rate << ", regularization " << boosting.regularization
-       << ", pixels per scene " << options.pixels_per_scene << ", rectification refinement "
+  if (options.kind == ForestKind::kOblivious) {
+    const BoostingOptions& boosting = options.boosting;
+    text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
+         << boosting.learning_rate << ", regularization " << boosting.regularization;
+  } else {
+    const RandomForestOptions& forest = options.random_forest;
+    text << "random forest, trees " << forest.trees << ", samples per leaf "
+         << forest.samples_per_leaf << ", features per split " << forest.features_per_split
+         << ", part of the samples per tree " << forest.samples_per_tree;
+  }
+  text << ", pixels per scene " << options.pixels_per_scene << ", samples at most "
+       << options.max_samples << ", rectification refinement "
        << (options.rectification.enabled ? "on" : "off");
   return text.str();
 }
 
-Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
-                     const std::function<void(const std::string&)>& report) {
+long pixelsPerScene(std::size_t scenes, const TrainingOptions& options) {
+  const long share = options.max_samples / static_cast<long>(kSamplesPerPixel * scenes);
+  requireForTraining(share > 0, "the samples must be at least " +
+                                    std::to_string(kSamplesPerPixel * scenes) + " for " +
+                                    std::to_string(scenes) + " scenes");
+  return std::min(options.pixels_per_scene, share);
+}
+
+Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                    const TrainingProgress& progress) {
+  const long pixels = pixelsPerScene(scenes.size(), options);
+  const auto total = static_cast<int>(scenes.size());
+  int done = 0;
   for (const SceneReference& scene : scenes) {
     scene.read();  // refuses before hours are spent
+    progress({"reading", ++done, total, ""});
   }
-  const Samples samples = drawSamples(scenes, options, report);
-  Forest forest = trainForest(samples, options.boosting, [&](int tree, double log_loss) {
-    if (tree % 8 == 0 || tree == options.boosting.trees) {
-      std::ostringstream line;
-      line << "tree " << tree << " of " << options.boosting.trees << ", held-out log-loss "
-           << log_loss;
-      report(line.str());
-    }
-  });
+  Samples samples;
+  reserve(samples, kSamplesPerPixel * static_cast<std::size_t>(pixels) * scenes.size());
+  for (done = 0; done < total;) {
+    const SceneReference& scene = scenes[done];
+    appendSamples(preparePair(scene.read(), options.rectification), pixels, options.seed + done,
+                  samples);
+    progress(
+        {"sampling", ++done, total,
+         "sampled " + scene.scene + ", " + std::to_string(samples.count()) + " samples so far"});
+  }
+  return samples;
+}
+
+Forest trainOnSamples(const Samples& samples, const std::vector<SceneReference>& scenes,
+                      const TrainingOptions& options, const TrainingProgress& progress) {
+  Forest forest = options.kind == ForestKind::kOblivious
+                      ? trainOblivious(samples, options.boosting, progress)
+                      : trainPaperForest(samples, options, progress);
+  measureHeldOut(samples, forest);
   forest.provenance.program = "cbmv_train " CBMV_VERSION;
   forest.provenance.data_set = dataSetTitles(scenes);
   for (const SceneReference& scene : scenes) {
@@ -77,6 +128,16 @@ Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOp
   forest.provenance.options = describe(options);
   forest.provenance.seed = options.seed;
   return forest;
+}
+
+Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                     const TrainingReport& report) {
+  const TrainingProgress progress = [&](const TrainingStep& step) {
+    if (!step.line.empty()) {
+      report(step.line);
+    }
+  };
+  return trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
 }
 
 }  // namespace cbmv

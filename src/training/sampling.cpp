@@ -23,9 +23,13 @@ int drawBelow(std::mt19937_64& random, int bound) {
   return static_cast<int>(random() % static_cast<std::uint64_t>(bound));
 }
 
-std::vector<cv::Point> drawPixels(const TrainingPair& pair, long pixels, std::mt19937_64& random) {
+std::vector<cv::Point> drawPixels(const TrainingPair& pair, const HeldOutBand& band, long pixels,
+                                  std::mt19937_64& random) {
   std::vector<cv::Point> candidates;
   for (int y = 0; y < pair.truth.rows; ++y) {
+    if (band.isMargin(y)) {
+      continue;
+    }
     for (int x = 0; x < pair.truth.cols; ++x) {
       if (pair.mask.at<std::uint8_t>(y, x) == 255 && std::isfinite(pair.truth.at<float>(y, x))) {
         candidates.emplace_back(x, y);
@@ -56,10 +60,11 @@ void drawWrong(const TrainingPair& pair, const cv::Point& pixel, int lowest, int
   }
 }
 
-std::vector<Hypothesis> drawHypotheses(const TrainingPair& pair, long pixels, std::uint64_t seed) {
+std::vector<Hypothesis> drawHypotheses(const TrainingPair& pair, const HeldOutBand& band,
+                                       long pixels, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Hypothesis> hypotheses;
-  for (const cv::Point& pixel : drawPixels(pair, pixels, random)) {
+  for (const cv::Point& pixel : drawPixels(pair, band, pixels, random)) {
     const float truth = pair.truth.at<float>(pixel);
     const int correct = static_cast<int>(std::lround(truth));
     if (correct < pair.range.min || correct > pair.range.max() || pixel.x - correct < 0 ||
@@ -101,13 +106,23 @@ void computeRowSamples(const MatcherSet& matchers, const TrainingPair& pair,
 
 }  // namespace
 
+HeldOutBand::HeldOutBand(int rows, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  begin = drawBelow(random, rows - rows / 10 + 1);
+  end = begin + rows / 10;
+}
+
 void appendSamples(const TrainingPair& pair, long pixels, std::uint64_t seed, Samples& samples) {
-  const std::vector<Hypothesis> hypotheses = drawHypotheses(pair, pixels, seed);
+  const HeldOutBand band(pair.left.rows, seed);
+  const std::vector<Hypothesis> hypotheses = drawHypotheses(pair, band, pixels, seed);
   const auto first = static_cast<std::size_t>(samples.count());
   for (std::vector<float>& column : samples.features) {
     column.resize(first + hypotheses.size());
   }
   samples.labels.resize(first + hypotheses.size());
+  for (const Hypothesis& hypothesis : hypotheses) {
+    samples.held_out.push_back(band.contains(hypothesis.y) ? 1 : 0);
+  }
 
   MatcherSet matchers;
   matchers.prepare(pair.left, pair.right);

@@ -92,12 +92,21 @@ void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width
   }
   std::fill(line, line + span.begin, kOutsideCost);
   std::fill(line + span.end, line + width, kOutsideCost);
-  workspace.features.computeCodes(i, forest.quantizer);
-  std::array<const std::uint8_t*, kFeatureCount> codes{};
-  for (int f = 0; f < kFeatureCount; ++f) {
-    codes[f] = workspace.features.codes(f) + span.begin;
+  RowFeatures& features = workspace.features;
+  const auto evaluate = [&](auto line_of) {
+    std::array<decltype(line_of(0)), kFeatureCount> lines{};
+    for (int f = 0; f < kFeatureCount; ++f) {
+      lines[f] = line_of(f) + span.begin;
+    }
+    evaluator.evaluate(lines, span.end - span.begin, line + span.begin);
+  };
+  if (evaluator.wantsValues()) {
+    features.compute(i);
+    evaluate([&](int f) { return features.line(f); });
+  } else {
+    features.computeCodes(i, forest.quantizer);
+    evaluate([&](int f) { return features.codes(f); });
   }
-  evaluator.evaluate(codes, span.end - span.begin, line + span.begin);
 }
 
 /// [row][column] to [column][row]

@@ -1,6 +1,8 @@
 #include "cbmv_stereo/forest/forest_file.h"
 
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -43,6 +45,32 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   const std::size_t place = text.find(from);
   EXPECT_NE(place, std::string::npos) << from;
   return text.replace(place, from.size(), to);
+}
+
+TEST(ForestFile, KeepsTheMeasures) {
+  Forest forest = makeForest(2, 3, 1);
+  forest.provenance.reliability = {{0.05, 0.0625, 12}, {0.95, 0.875, 8}};
+  forest.provenance.calibration_error = 0.0375;
+  for (int f = 0; f < kFeatureCount; ++f) {
+    forest.provenance.feature_importance.push_back(f / 190.0);
+  }
+  writeForest(forest, pathOf("measured"));
+  const ForestProvenance read = readForest(pathOf("measured")).provenance;
+  ASSERT_EQ(read.reliability.size(), 2U);
+  EXPECT_EQ(read.reliability[1].predicted, 0.95);
+  EXPECT_EQ(read.reliability[1].observed, 0.875);
+  EXPECT_EQ(read.reliability[1].samples, 8);
+  EXPECT_EQ(read.calibration_error, 0.0375);
+  EXPECT_EQ(read.feature_importance, forest.provenance.feature_importance);
+}
+
+/// As forests of version 1 were at first.
+TEST(ForestFile, MayHoldNoMeasures) {
+  writeForest(makeForest(2, 3, 1), pathOf("unmeasured"));
+  EXPECT_EQ(readAll(pathOf("unmeasured")).find("reliability"), std::string::npos);
+  const ForestProvenance read = readForest(pathOf("unmeasured")).provenance;
+  EXPECT_TRUE(read.reliability.empty());
+  EXPECT_TRUE(read.feature_importance.empty());
 }
 
 TEST(ForestFile, KeepsEverything) {
@@ -105,6 +133,138 @@ TEST(ForestFile, RefusesToWriteWhatCannotBeRead) {
   EXPECT_THROW(write_changed([](Forest& f) { f.quantizer.maps[7].scale = 0; }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.bias = std::nan(""); }), Error);
   EXPECT_THROW(writeForest(makeForest(1, 1, 1), "/nowhere/at/all.forest"), Error);
+}
+
+TEST(ForestFile, KeepsGeneralTrees) {
+  Forest forest = makeGeneralForest(5, 40, 1);
+  for (const ForestOutput output : {ForestOutput::kLogOdds, ForestOutput::kProbability}) {
+    forest.output = output;
+    writeForest(forest, pathOf("general"));
+    const Forest read = readForest(pathOf("general"));
+    EXPECT_EQ(read.output, output);
+    EXPECT_EQ(read.bias, forest.bias);
+    EXPECT_TRUE(read.trees.empty());
+    ASSERT_EQ(read.general_trees.size(), forest.general_trees.size());
+    for (std::size_t t = 0; t < forest.general_trees.size(); ++t) {
+      const std::vector<DecisionTree::Node>& nodes = forest.general_trees[t].nodes;
+      ASSERT_EQ(read.general_trees[t].nodes.size(), nodes.size());
+      for (std::size_t n = 0; n < nodes.size(); ++n) {
+        EXPECT_EQ(read.general_trees[t].nodes[n].threshold, nodes[n].threshold);
+        EXPECT_EQ(read.general_trees[t].nodes[n].feature, nodes[n].feature);
+        EXPECT_EQ(read.general_trees[t].nodes[n].next, nodes[n].next);
+      }
+    }
+    EXPECT_EQ(forestChecksum(read), forestChecksum(forest));
+  }
+}
+
+/// The sentence that a forest is refused with before it is written.
+std::string refusalToWrite(const Forest& forest) {
+  try {
+    writeForest(forest, pathOf("refused"));
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
+  const auto changed = [](const auto& change) {
+    Forest forest = makeGeneralForest(3, 10, 2);
+    change(forest.general_trees[1].nodes);
+    return refusalToWrite(forest);
+  };
+  using Nodes = std::vector<DecisionTree::Node>;
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes.clear(); }), HasSubstr("tree 1 has no nodes"));
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes[0].next[0] = 21; }),
+              HasSubstr("tree 1: node 0 goes on"));
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes[0].next[1] = 0; }), HasSubstr("goes on"));
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes.back().next = {0, 0}; }), HasSubstr("goes on"));
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes[0].feature = 20; }), HasSubstr("feature"));
+  EXPECT_THAT(changed([](Nodes& nodes) { nodes[3].threshold = std::nanf(""); }),
+              HasSubstr("reasonable size"));
+  EXPECT_THAT(changed([](Nodes& nodes) {
+                nodes.clear();  // a chain
+                for (std::uint32_t n = 0; n < 400; n += 2) {
+                  nodes.push_back({0, 0, {n + 1, n + 2}});
+                  nodes.push_back({0, 0, {n + 1, n + 1}});
+                }
+                nodes.push_back({0, 0, {400, 400}});
+              }),
+              HasSubstr("more than 128 levels"));
+  Forest both = makeGeneralForest(3, 10, 2);
+  both.trees = makeForest(1, 1, 1).trees;
+  EXPECT_THAT(refusalToWrite(both), HasSubstr("both"));
+}
+
+/// The sentence that a text is refused with; empty if it is a forest.
+std::string refusalOfText(const std::string& text) {
+  try {
+    parseForest(text, "folder/text");
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(ForestFile, NamesUnknownKind) {
+  // The checksum is that of this model.
+  const std::string text =
+      R"({"format": "cbmv_stereo forest", "version": 1, "checksum": "%",
+          "model": {"features": 20, "bias": 0, "kind": "dense", "trees": []}})";
+  const std::string fault = refusalOfText(text);
+  const std::string actual = fault.substr(fault.size() - 8);
+  EXPECT_THAT(refusalOfText(replaced(text, "%", actual)), HasSubstr("kind \"dense\""));
+}
+
+/// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.
+const std::string kXgboostModel = R"({"learner": {
+  "attributes": {}, "feature_names": [], "feature_types": [],
+  "gradient_booster": {"name": "gbtree", "model": {"trees": [
+    {"left_children": [1, -1, -1], "right_children": [2, -1, -1], "split_indices": [3, 0, 0],
+     "split_conditions": [1.5E0, -2.5E-1, 7.5E-1], "split_type": [0, 0, 0],
+     "default_left": [0, 0, 0], "tree_param": {"num_nodes": "3"}}]}},
+  "learner_model_param": {"base_score": "2.5E-1", "num_class": "0", "num_feature": "20"},
+  "objective": {"name": "binary:logistic"}}, "version": [1, 7, 4]})";
+
+TEST(ForestFile, ReadsAModelOfXgboost) {
+  const Forest forest = parseForest(kXgboostModel, "folder/model.json");
+  EXPECT_EQ(forest.name, "model.json");
+  EXPECT_EQ(forest.provenance.program, "XGBoost 1.7.4");
+  const auto probability = [&forest](float value) {
+    return naiveProbability(forest, [value](int f) { return f == 3 ? value : 0.0F; });
+  };
+  EXPECT_NEAR(probability(1.4F), 1 / (1 + 3 * std::exp(0.25)), 1e-12);
+  EXPECT_NEAR(probability(1.5F), 1 / (1 + 3 * std::exp(-0.75)), 1e-12);
+  const Forest mean =
+      parseForest(replaced(replaced(kXgboostModel, "binary:logistic", "reg:squarederror"),
+                           "2.5E-1\"", "[5E-1]\""),
+                  "mean");
+  EXPECT_EQ(mean.output, ForestOutput::kProbability);
+  EXPECT_EQ(mean.bias, 0.5);
+}
+
+TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"gbtree", "dart", "gbtree"},
+      {"binary:logistic", "multi:softprob", "multi:softprob"},
+      {"\"2.5E-1\"", "\"1\"", "base score"},
+      {"\"2.5E-1\"", "\"x\"", "no valid JSON"},
+      {"\"20\"", "\"4\"", "20 features"},
+      {"\"feature_names\": []", "\"feature_names\": [\"f0\"]", "another order"},
+      {"\"split_type\": [0", "\"split_type\": [1", "categories"},
+      {"[1, -1, -1]", "[0, -1, -1]", "goes on with"},
+      {"[1, -1, -1]", "[3, -1, -1]", "goes on with"},
+      {"[2, -1, -1]", "[-1, -1, -1]", "place of a node"},
+      {"[2, -1, -1]", "[]", "missing or misplaced"},
+      {"[3, 0, 0]", "[20, 0, 0]", "feature is 20"},
+      {"1.5E0", "1e99", "reasonable size"},
+      {"\"right_children\"", "\"right\"", "missing or misplaced"}};
+  for (const auto& [from, to, fault] : cases) {
+    EXPECT_THAT(refusalOfText(replaced(kXgboostModel, from, to)),
+                AllOf(HasSubstr("folder/text"), HasSubstr(fault)))
+        << from << " to " << to;
+  }
 }
 
 TEST(ForestFile, ShippedForestLoadsQuickly) {

@@ -55,6 +55,57 @@ double naiveLogOdds(const Forest& forest, const CodeOf& code_of) {
   return log_odds;
 }
 
+/// A forest of random general trees with whole numbers in [−8, 8] for thresholds.
+inline Forest makeGeneralForest(int trees, int inner_nodes, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto draw = [&random](int lowest, int highest) {
+    return std::uniform_int_distribution<int>(lowest, highest)(random);
+  };
+  Forest forest;
+  forest.name = "random.forest";
+  forest.bias = 0.25;
+  for (int t = 0; t < trees; ++t) {
+    DecisionTree tree;
+    const auto add_leaf = [&] {
+      const auto itself = static_cast<std::uint32_t>(tree.nodes.size());
+      tree.nodes.push_back({static_cast<float>(draw(-100, 100)) / 256, 0, {itself, itself}});
+      return itself;
+    };
+    add_leaf();
+    for (int inner = 0; inner < inner_nodes; ++inner) {  // a leaf becomes a node with two leaves
+      int n = draw(0, static_cast<int>(tree.nodes.size()) - 1);
+      while (!tree.isLeaf(n)) {
+        n = static_cast<int>(tree.nodes[n].next[draw(0, 1)]);
+      }
+      const std::uint32_t low = add_leaf();
+      const std::uint32_t high = add_leaf();
+      tree.nodes[n] = {static_cast<float>(draw(-8, 8)),
+                       static_cast<std::uint8_t>(draw(0, kFeatureCount - 1)),
+                       {low, high}};
+    }
+    forest.general_trees.push_back(tree);
+  }
+  return forest;
+}
+
+/// Probability of one hypothesis by the general trees, in double precision.
+template <typename ValueOf>
+double naiveProbability(const Forest& forest, const ValueOf& value_of) {
+  double sum = forest.bias;
+  for (const DecisionTree& tree : forest.general_trees) {
+    std::uint32_t n = 0;
+    while (!tree.isLeaf(n)) {
+      const DecisionTree::Node& node = tree.nodes[n];
+      n = value_of(node.feature) < node.threshold ? node.next[0] : node.next[1];
+    }
+    sum += tree.nodes[n].threshold;
+  }
+  if (forest.output == ForestOutput::kProbability) {
+    return std::fmin(1.0, std::fmax(0.0, sum));
+  }
+  return 1 / (1 + std::exp(-sum));
+}
+
 template <typename CodeOf>
 std::uint8_t naiveForestCost(const Forest& forest, const CodeOf& code_of) {
   const double probability = 1 / (1 + std::exp(-naiveLogOdds(forest, code_of)));

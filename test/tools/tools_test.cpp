@@ -84,6 +84,24 @@ TEST_F(ToolsTest, TrainWritesAForestThatWorks) {
   EXPECT_LT(forest.provenance.held_out_log_loss, 0.35);
 }
 
+TEST_F(ToolsTest, TrainGrowsARandomForestAndExportsItsSamples) {
+  writeScene(path("data/One"), scene_);
+  const Outcome trained =
+      run("cbmv_train", "--dataset middlebury_v3:" + path("data") +
+                            " --kind random-forest --trees 5 "
+                            "--samples-per-leaf 50 --pixels-per-scene 1000 "
+                            "--export-samples " +
+                            path("samples.csv") + " --output " + path("new.forest"));
+  ASSERT_EQ(trained.status, 0) << trained.output;
+  const Forest forest = readForest(path("new.forest"));
+  EXPECT_EQ(forest.general_trees.size(), 5U);
+  EXPECT_LT(forest.provenance.held_out_log_loss, 0.35);
+  std::ifstream samples(path("samples.csv"));
+  EXPECT_EQ(std::count(std::istreambuf_iterator<char>(samples), {}, '\n'),
+            forest.provenance.samples + 1);
+  EXPECT_EQ(run("cbmv_train", "--kind dense --output " + path("new.forest")).status, 2);
+}
+
 TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
   writeScene(path("data/One"), scene_);
   const std::string rest = " --output " + path("new.forest");

@@ -2,33 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "support/checkerboard_samples.h"
 #include "support/random_forest.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv::test {
 namespace {
-
-/// Uniform features; a sample is correct with probability 0.9 where feature 2 is above and feature
-/// 15 below its middle, else with probability 0.1.
-Samples checkerboard(int count) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  Samples samples;
-  for (int n = 0; n < count; ++n) {
-    for (std::vector<float>& column : samples.features) {
-      column.push_back(uniform(random));
-    }
-    const bool likely = samples.features[2].back() > 0.5F && samples.features[15].back() < 0.5F;
-    samples.labels.push_back(uniform(random) < (likely ? 0.9F : 0.1F) ? 1 : 0);
-  }
-  return samples;
-}
 
 void ignoreProgress(int /*tree*/, double /*log_loss*/) {}
 
@@ -78,7 +63,7 @@ TEST(Boosting, ReportsTheLogLossOfItsForest) {
   const Forest forest = trainForest(samples, options, ignoreProgress);
   double loss = 0;
   int count = 0;
-  for (long n = 0; n < samples.count(); n += options.held_out_every, ++count) {
+  for (long n = 0; n < samples.count(); n += 10, ++count) {
     const double log_odds = naiveLogOdds(forest, [&](int f) {
       const CodeMap& map = forest.quantizer.maps[f];
       return std::clamp(std::floor(map.scale * samples.features[f][n] + map.offset), 0.0F, 255.0F);
@@ -93,13 +78,27 @@ TEST(Boosting, HeldOutSamplesHaveNoSay) {
   BoostingOptions options;
   options.trees = 3;
   const Forest forest = trainForest(samples, options, ignoreProgress);
-  for (long n = 0; n < samples.count(); n += options.held_out_every) {
+  for (long n = 0; n < samples.count(); n += 10) {
     samples.labels[n] = static_cast<std::uint8_t>(1 - samples.labels[n]);
   }
   const Forest other = trainForest(samples, options, ignoreProgress);
   EXPECT_EQ(forest.bias, other.bias);
   for (std::size_t t = 0; t < forest.trees.size(); ++t) {
     EXPECT_EQ(forest.trees[t].leaves, other.trees[t].leaves);
+  }
+}
+
+/// The labels hang on features 2 and 15 alone.
+TEST(Boosting, NamesTheFeaturesThatMatter) {
+  BoostingOptions options;
+  options.trees = 8;
+  options.depth = 2;
+  const Forest forest = trainForest(checkerboard(20000), options, ignoreProgress);
+  const std::vector<double>& importance = forest.provenance.feature_importance;
+  ASSERT_EQ(importance.size(), std::size_t{kFeatureCount});
+  EXPECT_NEAR(std::accumulate(importance.begin(), importance.end(), 0.0), 1, 1e-9);
+  for (int f = 0; f < kFeatureCount; ++f) {
+    EXPECT_EQ(importance[f] > 0.3, f == 2 || f == 15) << f << ": " << importance[f];
   }
 }
 

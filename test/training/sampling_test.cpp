@@ -1,6 +1,8 @@
 #include "cbmv_stereo/training/sampling.h"
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
 #include <tbb/global_control.h>
 
@@ -46,7 +48,12 @@ TEST(Sampling, NeverDrawsMaskedOrUnknownPixels) {
   TrainingPair pair = shiftedPair();
   Samples all;
   appendSamples(pair, 1000000, 7, all);
-  EXPECT_EQ(all.count(), 3L * 30 * 59);
+  const HeldOutBand band(40, 7);
+  long rows = 0;
+  for (int y = 10; y < 40; ++y) {
+    rows += band.isMargin(y) ? 0 : 1;
+  }
+  EXPECT_EQ(all.count(), 3 * rows * 59);
   pair.mask.setTo(128);
   Samples none;
   appendSamples(pair, 100, 7, none);
@@ -59,6 +66,52 @@ TEST(Sampling, SkipsWrongDisparitiesThatDoNotExist) {
   Samples samples;
   appendSamples(pair, 100, 7, samples);
   EXPECT_EQ(samples.count(), 100);
+}
+
+TEST(Sampling, HoldsOutTheRowsOfABand) {
+  EXPECT_EQ(HeldOutBand(9, 7).end, HeldOutBand(9, 7).begin);
+  EXPECT_FALSE(HeldOutBand(9, 7).isMargin(HeldOutBand(9, 7).begin));
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const HeldOutBand band(40, seed);
+    EXPECT_EQ(band.end - band.begin, 4);
+    EXPECT_GE(band.begin, 0);
+    EXPECT_LE(band.end, 40);
+    EXPECT_FALSE(band.isMargin(band.begin) || band.isMargin(band.end - 1));
+    EXPECT_TRUE(band.isMargin(band.begin - 10) && band.isMargin(band.end + 9));
+    EXPECT_FALSE(band.isMargin(band.begin - 11) || band.isMargin(band.end + 10));
+    TrainingPair pair = shiftedPair();
+    pair.mask.setTo(255);
+    Samples samples;
+    appendSamples(pair, 1000000, seed, samples);
+    EXPECT_EQ(std::count(samples.held_out.begin(), samples.held_out.end(), 1), 4 * 3 * 60);
+  }
+}
+
+/// Whatever the rows of the band hold, the samples that are trained on are the same.
+TEST(Sampling, TrainsOnNothingThatTheHeldOutSamplesSee) {
+  TrainingPair pair = shiftedPair();
+  const std::uint64_t seed = 3;
+  const HeldOutBand band(40, seed);
+  const auto trained = [&] {
+    Samples all;
+    appendSamples(pair, 1000000, seed, all);
+    std::vector<float> values;
+    for (const std::vector<float>& column : all.features) {
+      for (long n = 0; n < all.count(); ++n) {
+        if (all.held_out[n] == 0 && all.labels[n] == 1) {
+          values.push_back(column[n]);
+        }
+      }
+    }
+    return values;
+  };
+  const std::vector<float> before = trained();
+  EXPECT_FALSE(before.empty());
+  const int reach = 5;  // of the largest window
+  const int first = std::max(0, band.begin - reach);
+  const int last = std::min(40, band.end + reach);
+  makeGrey({90, last - first}, Content::kNoise, 9).copyTo(pair.left.rowRange(first, last));
+  EXPECT_EQ(trained(), before);
 }
 
 TEST(Sampling, DependsOnTheSeedOnly) {

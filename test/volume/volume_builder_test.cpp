@@ -22,10 +22,9 @@ MatchingVolume buildVolume(const Shape& shape, const Forest& forest) {
 
 class VolumeBuilderTest : public testing::TestWithParam<Shape> {};
 
-TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
-  const Shape shape = GetParam();
-  const Forest forest = makeForest(30, 6, 5);
-  const MatchingVolume volume = buildVolume(shape, forest);
+/// Expects the volume to hold `cost_of(features, x)` of each hypothesis inside.
+template <typename CostOf>
+void expectCosts(const Shape& shape, const MatchingVolume& volume, const CostOf& cost_of) {
   MatcherSet matchers;
   matchers.prepare(makeGrey(shape.size(), Content::kPatches, 1),
                    makeGrey(shape.size(), Content::kPatches, 2));
@@ -37,15 +36,30 @@ TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
       for (int x = 0; x < shape.width; ++x) {
         const int x_right = x - shape.range.min - i;
         const bool inside = x_right >= 0 && x_right < shape.width;
-        const auto code_of = [&](int f) {
-          const CodeMap& map = forest.quantizer.maps[f];
-          return std::clamp(std::floor(map.scale * features.line(f)[x] + map.offset), 0.0F, 255.0F);
-        };
-        ASSERT_EQ(volume.pixel(y, x)[i], inside ? naiveForestCost(forest, code_of) : kOutsideCost)
+        ASSERT_EQ(volume.pixel(y, x)[i], inside ? cost_of(features, x) : kOutsideCost)
             << "y " << y << " x " << x << " i " << i;
       }
     }
   }
+}
+
+TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
+  const Forest forest = makeForest(30, 6, 5);
+  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int x) {
+    return naiveForestCost(forest, [&](int f) {
+      const CodeMap& map = forest.quantizer.maps[f];
+      return std::clamp(std::floor(map.scale * row.line(f)[x] + map.offset), 0.0F, 255.0F);
+    });
+  });
+}
+
+TEST_P(VolumeBuilderTest, HoldsTheAnswerOfGeneralTrees) {
+  Forest forest = makeGeneralForest(30, 40, 5);
+  forest.output = ForestOutput::kProbability;  // sums of leaves are exact, so costs are too
+  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int x) {
+    const double probability = naiveProbability(forest, [&](int f) { return row.line(f)[x]; });
+    return static_cast<std::uint8_t>(std::lround(255 * (1 - probability)));
+  });
 }
 
 TEST_P(VolumeBuilderTest, IsTheSameOnEveryInstructionSet) {

@@ -3,14 +3,12 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "cbmv_stereo/evaluation/scene_score.h"
 #include "cbmv_stereo/forest/forest.h"
-#include "cbmv_stereo/io/data_set.h"
+#include "cbmv_stereo/io/stereo_scene.h"
 #include "cbmv_stereo/pipeline/options.h"
 #include "cbmv_stereo/pipeline/stereo_result.h"
-#include "cbmv_stereo/training/forest_training.h"
 
 namespace cbmv {
 
@@ -31,11 +29,5 @@ DisparitySource fileSource(const std::string& folder);
 /// Writes SCENE.pfm (no disparity: infinity) and SCENE_confidence.pfm, so that fileSource gives the
 /// same maps, except for the time.
 void writeMaps(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
-
-/// Matches each scene with a forest trained on those of `scenes` that lie in other folds. Keeps the
-/// forest of the fold asked last: ask in the order of orderByFold. `report` is trainOnScenes's.
-DisparitySource foldSource(const std::vector<SceneReference>& scenes,
-                           const TrainingOptions& training, const StereoOptions& options,
-                           const std::function<void(const std::string&)>& report);
 
 }  // namespace cbmv

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/forest/tree_walker.h"
 
 namespace cbmv {
 
@@ -24,20 +25,29 @@ struct PackedTree {
   static constexpr int kBlock = 256;
 };
 
-/// Applies a forest to rows of feature codes, with the widest vectors that the machine has. Built
-/// once from a Forest, then read by any number of threads.
+/// Applies a forest to rows of features: oblivious trees to codes, with the widest vectors that the
+/// machine has, general trees to values. Built once from a Forest, then read by any number of
+/// threads. `costs[i]` becomes the matching cost of hypothesis i: 1 − probability, times 255,
+/// rounded (Batsos et al. 2018, section 3.3).
 class ForestEvaluator {
  public:
   explicit ForestEvaluator(const Forest& forest);
 
-  /// `codes[f]` points to `count` codes of feature f. `costs[i]` becomes the matching cost of
-  /// hypothesis i: 1 − probability, times 255, rounded (Batsos et al. 2018, section 3.3).
+  /// The trees are general ones: they want values, not codes.
+  bool wantsValues() const { return !walker_.empty(); }
+
+  /// `codes[f]` points to `count` codes of feature f; for oblivious trees.
   void evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes, int count,
+                std::uint8_t* costs) const;
+
+  /// `values[f]` points to `count` values of feature f; for general trees.
+  void evaluate(const std::array<const float*, kFeatureCount>& values, int count,
                 std::uint8_t* costs) const;
 
  private:
   std::vector<PackedTree> trees_;
   std::vector<std::uint8_t> cost_of_sum_;  ///< indexed by the sum of the packed leaves
+  TreeWalker walker_;
 };
 
 }  // namespace cbmv

@@ -6,9 +6,13 @@
 
 namespace cbmv {
 
-/// Reads the file that writeForest writes (docs/forest.md has the format). Throws Error that names
-/// the file and what is wrong: not there, not a forest, another version, damaged, out of range.
+/// Reads the file that writeForest writes, or a model of XGBoost (docs/forest.md has both formats).
+/// Throws Error that names the file and what is wrong: not there, not a forest, another version,
+/// damaged, out of range.
 Forest readForest(const std::string& path);
+
+/// The same from the text of the file; `file_name` is for the forest's name and for messages.
+Forest parseForest(const std::string& text, const std::string& file_name);
 
 /// Throws Error if the file cannot be written.
 void writeForest(const Forest& forest, const std::string& path);

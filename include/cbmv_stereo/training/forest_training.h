@@ -9,23 +9,61 @@
 #include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/training/boosting.h"
+#include "cbmv_stereo/training/random_forest.h"
+#include "cbmv_stereo/training/sampling.h"
 
 namespace cbmv {
 
+enum class ForestKind {
+  kOblivious,    ///< boosted oblivious trees: for use
+  kRandomForest  ///< the paper's forest: for research, slow
+};
+
 struct TrainingOptions {
-  long pixels_per_scene = 40000;  ///< each gives up to three samples
+  ForestKind kind = ForestKind::kOblivious;
+  long pixels_per_scene = 40000;  ///< at most; each gives up to three samples
+  /// At most, over all scenes, each of which gets the same share: bounds the memory.
+  long max_samples = 3000000;
   std::uint64_t seed = 1;
   RectificationOptions rectification;  ///< as the pairs will be matched
-  BoostingOptions boosting;
+  BoostingOptions boosting;            ///< of oblivious trees
+  RandomForestOptions random_forest;   ///< of a random forest
 };
 
 /// "trees 64, depth 6, …": all options but the seed, for people.
 std::string describe(const TrainingOptions& options);
 
-/// Trains a forest on these scenes, drawing from the pixels that both cameras see. `report` is
-/// called with a line for people now and then. Checks that all scenes can be read before the
-/// training starts. Throws Error that names the scene, file or option that is wrong.
+/// A step of one of the phases of a training: checking scenes, sampling them, growing trees.
+struct TrainingStep {
+  std::string phase;  ///< "sampling"
+  int done = 0;       ///< of `total`, this step included
+  int total = 0;
+  std::string line;  ///< for a log; empty where the step is not worth one
+};
+
+/// Called after each step.
+using TrainingProgress = std::function<void(const TrainingStep&)>;
+
+/// Called with a line for people now and then.
+using TrainingReport = std::function<void(const std::string&)>;
+
+/// Pixels that are drawn from each of so many scenes: options.pixels_per_scene, or less so that no
+/// more than options.max_samples come together. Throws Error when that leaves none.
+long pixelsPerScene(std::size_t scenes, const TrainingOptions& options);
+
+/// Draws the samples that a forest is trained on and measured with, from the pixels of these scenes
+/// that both cameras see. Checks first that all scenes can be read. Holds one scene at a time.
+/// Throws Error that names the scene or file that is wrong.
+Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                    const TrainingProgress& progress);
+
+/// Trains a forest on these samples of these scenes and measures it on those held out. Throws Error
+/// that names the option that is wrong.
+Forest trainOnSamples(const Samples& samples, const std::vector<SceneReference>& scenes,
+                      const TrainingOptions& options, const TrainingProgress& progress);
+
+/// Both of the above; `report` gets the lines of their steps.
 Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
-                     const std::function<void(const std::string&)>& report);
+                     const TrainingReport& report);
 
 }  // namespace cbmv

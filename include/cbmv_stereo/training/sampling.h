@@ -15,6 +15,7 @@ namespace cbmv {
 struct Samples {
   std::array<std::vector<float>, kFeatureCount> features;  ///< one column a feature
   std::vector<std::uint8_t> labels;                        ///< 1 correct, 0 wrong
+  std::vector<std::uint8_t> held_out;  ///< 1: for measuring only, 0: to train on
   long count() const { return static_cast<long>(labels.size()); }
 };
 
@@ -27,10 +28,30 @@ struct TrainingPair {
   DisparityRange range;
 };
 
+/// Rows of a pair whose samples are held out: a tenth of its rows, side by side, at a place that
+/// the seed decides; none of a pair of fewer than ten rows.
+struct HeldOutBand {
+  /// Rows between the band and the rows that are trained on: no window around the former shares a
+  /// pixel with one around the latter (the largest has 11 rows), and features know no other rows.
+  static constexpr int kMargin = 10;
+
+  HeldOutBand(int rows, std::uint64_t seed);
+
+  bool contains(int row) const { return begin <= row && row < end; }
+  /// Neither held out nor trained on.
+  bool isMargin(int row) const {
+    return begin < end && !contains(row) && begin - kMargin <= row && row < end + kMargin;
+  }
+
+  int begin = 0;
+  int end = 0;  ///< behind the last one
+};
+
 /// Draws up to `pixels` pixels of the pair, all equally likely, and appends for each (Batsos et al.
 /// 2018, section 3.3) the rounded true disparity as correct and two wrong disparities, one uniform
 /// in [min, truth − 1), one uniform in (truth + 1, max], as far as they exist and match inside of
-/// the right image. The same seed gives the same samples, whatever the number of threads.
+/// the right image. Samples in the rows of HeldOutBand are held out, none is in its margins. The
+/// same seed gives the same samples, whatever the number of threads.
 void appendSamples(const TrainingPair& pair, long pixels, std::uint64_t seed, Samples& samples);
 
 }  // namespace cbmv

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/training/sampling.h"
+
+namespace cbmv {
+
+/// Probability that each of the held-out samples is correct, in their order, by a forest of either
+/// kind, with no rounding to costs.
+std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples);
+
+/// Sets the log-loss, the reliability and the calibration error of the provenance from the held-out
+/// samples: ten bins of probability, each a tenth wide, without those that are empty. The expected
+/// calibration error is the mean over the samples of the distance between their bin's mean
+/// probability and the part of it that is correct (Naeini et al. 2015). Throws Error when no sample
+/// is held out.
+void measureHeldOut(const Samples& samples, Forest& forest);
+
+/// All of the provenance in lines for people, features sorted by their importance.
+std::string describeProvenance(const ForestProvenance& provenance);
+
+}  // namespace cbmv

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "cbmv_stereo/forest/forest.h"
+
+namespace cbmv {
+
+using Json = nlohmann::ordered_json;
+
+/// What is wrong inside of a file, before its name is known.
+struct Fault : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+inline std::int64_t integerIn(const Json& value, std::int64_t lowest, std::int64_t highest,
+                              const std::string& what) {
+  const auto number = value.get<std::int64_t>();
+  if (number < lowest || number > highest) {
+    throw Fault(what + " is " + std::to_string(number) + ", outside of [" + std::to_string(lowest) +
+                ", " + std::to_string(highest) + "]");
+  }
+  return number;
+}
+
+/// Not yet validated: the children of a node may be anywhere.
+inline DecisionTree::Node innerNode(const Json& feature, const Json& threshold, const Json& low,
+                                    const Json& high) {
+  const auto child = [](const Json& place) {
+    return static_cast<std::uint32_t>(
+        integerIn(place, 0, std::numeric_limits<std::uint32_t>::max(), "the place of a node"));
+  };
+  return {threshold.get<float>(),
+          static_cast<std::uint8_t>(integerIn(feature, 0, kFeatureCount - 1, "a tree's feature")),
+          {child(low), child(high)}};
+}
+
+inline DecisionTree::Node leafNode(const Json& value, std::size_t place) {
+  const auto itself = static_cast<std::uint32_t>(place);
+  return {value.get<float>(), 0, {itself, itself}};
+}
+
+/// A model as XGBoost 1 and later save it as JSON (its `save_model`), trained on the values of our
+/// features: binary:logistic or reg:squarederror, trees only. Throws Fault or Json::exception.
+Forest forestFromXgboost(const Json& json);
+
+}  // namespace cbmv

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/training/sampling.h"
+
+namespace cbmv {
+
+inline void requireForTraining(bool good, const std::string& sentence) {
+  if (!good) {
+    throw Error("training: " + sentence);
+  }
+}
+
+/// Of the samples that are trained on, and some that are not.
+inline void requireBothClasses(const Samples& samples) {
+  std::array<long, 2> counts{};
+  for (long n = 0; n < samples.count(); ++n) {
+    counts[samples.labels[n]] += samples.held_out[n] == 1 ? 0 : 1;
+  }
+  requireForTraining(counts[0] > 0 && counts[1] > 0,
+                     "correct and wrong samples are both needed, there are " +
+                         std::to_string(counts[1]) + " and " + std::to_string(counts[0]) +
+                         " to train on");
+  requireForTraining(counts[0] + counts[1] < samples.count(),
+                     "no sample is held out; a scene must have at least ten rows");
+}
+
+/// The parts of each in their sum.
+inline std::vector<double> shares(const std::array<double, kFeatureCount>& amounts) {
+  const double sum = std::accumulate(amounts.begin(), amounts.end(), 0.0);
+  std::vector<double> parts;
+  for (const double amount : amounts) {
+    parts.push_back(sum > 0 ? amount / sum : 0);
+  }
+  return parts;
+}
+
+/// In nats, of a sample's label under the probability that it is 1.
+inline double logLoss(double probability, std::uint8_t label) {
+  return -std::log(std::max(1e-12, label == 1 ? probability : 1 - probability));
+}
+
+}  // namespace cbmv
