@@ -1,5 +1,4 @@
-# The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools; of evaluation
-# all but the folds, which train.
+# The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
 find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
@@ -27,8 +26,6 @@ foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
   list(APPEND CBMV_SOURCES ${stage_sources})
 endforeach()
-set(CBMV_TRAINING_EVALUATION ${PROJECT_SOURCE_DIR}/src/evaluation/folds.cpp)
-list(REMOVE_ITEM CBMV_SOURCES ${CBMV_TRAINING_EVALUATION})
 
 add_library(cbmv SHARED ${CBMV_SOURCES})
 target_include_directories(cbmv PUBLIC
@@ -54,7 +51,7 @@ set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRA
 find_package(NLopt REQUIRED)
 file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp
      ${PROJECT_SOURCE_DIR}/src/tuning/*.cpp)
-add_library(cbmv_training STATIC ${training_sources} ${CBMV_TRAINING_EVALUATION})
+add_library(cbmv_training STATIC ${training_sources})
 target_compile_definitions(cbmv_training PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
 target_link_libraries(cbmv_training PUBLIC cbmv
   PRIVATE xgboost_c_api NLopt::nlopt nlohmann_json::nlohmann_json TBB::tbb)

@@ -15,7 +15,7 @@ foreach(test_source ${test_sources})
   target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              ${CBMV_HIGHWAY_OPTIONS})
   target_link_libraries(${test_name} PRIVATE cbmv hwy::hwy TBB::tbb GTest::gtest GTest::gtest_main gmock)
-  if(test_source MATCHES "/test/(training|tuning)/|/folds_test")
+  if(test_source MATCHES "/test/(training|tuning)/")
     target_link_libraries(${test_name} PRIVATE cbmv_training xgboost_c_api)
   endif()
   if(test_source MATCHES "/test/tools/")

@@ -18,22 +18,23 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/evaluation.h"
 #include "cbmv_stereo/evaluation/evaluation_page.h"
-#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/evaluation/opencv_baseline.h"
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/evaluation/submission.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/training/cross_validation.h"
 
 namespace {
 
 struct Arguments {
-  std::string data_set, forest, disparities, preset, maps, json, csv, markdown, report, submission;
+  std::string data_set, forest, disparities, maps, json, csv, markdown, report, submission;
+  std::vector<std::string> presets;
   int folds = 0;
   bool resume = false;
   bool stereo_sgbm = false;
   cbmv::SceneFilter filter;
-  cbmv::StereoOptions options;
+  cbmv::StereoOptions options;  ///< without the presets
   cbmv::TrainingOptions training;
 };
 
@@ -54,8 +55,8 @@ std::string nameOf(const std::string& path) {
 }
 
 /// By the three folds of Middlebury v3. Training leaves out what --exclude names.
-void setUpFolds(const Arguments& arguments, const cbmv::DataSet& data_set, std::string& settings,
-                Evaluation& evaluation) {
+void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOptions>& options,
+                const cbmv::DataSet& data_set, std::string& settings, Evaluation& evaluation) {
   if (arguments.folds != 3 || data_set.kind() != "middlebury_v3") {
     throw cbmv::Error("--folds must be 3 and needs a data set of the kind middlebury_v3");
   }
@@ -68,7 +69,22 @@ void setUpFolds(const Arguments& arguments, const cbmv::DataSet& data_set, std::
   for (const cbmv::SceneReference& scene : pool) {
     settings += ", " + scene.scene;
   }
-  evaluation.source = cbmv::foldSource(pool, training, arguments.options, printLine);
+  evaluation.source = cbmv::foldSource(pool, training, options, printLine);
+}
+
+/// Of each preset; without one, the defaults.
+std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
+  if (arguments.presets.size() > 1 && arguments.folds == 0) {
+    throw cbmv::Error("there are " + std::to_string(arguments.presets.size()) +
+                      " presets; more than one, for each fold its own, needs --folds 3");
+  }
+  std::vector<cbmv::StereoOptions> options(std::max<std::size_t>(1, arguments.presets.size()),
+                                           arguments.options);
+  for (std::size_t i = 0; i < arguments.presets.size(); ++i) {
+    cbmv::readPreset(arguments.presets[i], options[i]);
+    options[i].range = cbmv::DisparityRange();  // each scene brings its own
+  }
+  return options;
 }
 
 Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
@@ -85,16 +101,22 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
     evaluation.report.fingerprint = cbmv::fingerprintOf(data_set.title() + "StereoSGBM");
     return evaluation;
   }
-  std::string settings = data_set.title() + cbmv::describeOptions(arguments.options);
+  const std::vector<cbmv::StereoOptions> options = readPresets(arguments);
+  std::string settings = data_set.title();
+  for (const cbmv::StereoOptions& each : options) {
+    settings += cbmv::describeOptions(each);
+  }
   if (arguments.folds > 0) {
-    setUpFolds(arguments, data_set, settings, evaluation);
+    setUpFolds(arguments, options, data_set, settings, evaluation);
   } else {
     const auto forest = std::make_shared<cbmv::Forest>(cbmv::readForest(arguments.forest));
     evaluation.report.forest = forest->name;
     settings += cbmv::forestChecksum(*forest);
-    evaluation.source = cbmv::matchingSource(forest, arguments.options);
+    evaluation.source = cbmv::matchingSource(forest, options.front());
   }
-  evaluation.report.preset = nameOf(arguments.preset);
+  for (const std::string& preset : arguments.presets) {
+    evaluation.report.preset += (evaluation.report.preset.empty() ? "" : ", ") + nameOf(preset);
+  }
   evaluation.report.fingerprint = cbmv::fingerprintOf(settings);
   return evaluation;
 }
@@ -147,10 +169,6 @@ void complete(Arguments& arguments) {
   if (arguments.resume && arguments.json.empty()) {
     throw cbmv::Error("--resume needs --json or --report, which name what there is to resume");
   }
-  if (!arguments.preset.empty()) {
-    cbmv::readPreset(arguments.preset, arguments.options);
-  }
-  arguments.options.range = cbmv::DisparityRange();  // each scene brings its own
 }
 
 cbmv::EvaluationEvents makeEvents(const Arguments& arguments, const Submission& submission) {
@@ -236,8 +254,10 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
-  app.add_option("--preset", arguments.preset,
-                 "YAML file of parameters; the disparities searched are those of the scene")
+  app.add_option("--preset", arguments.presets,
+                 "YAML file of parameters; the disparities searched are those of the scene. With "
+                 "--folds 3 also three, separated by commas, for each fold its own")
+      ->delimiter(',')
       ->excludes(disparities)
       ->excludes(baseline);
   app.add_flag("--resume", arguments.resume,

@@ -12,9 +12,9 @@
 #include "run_tool.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/training/cross_validation.h"
 #include "cbmv_stereo/tuning/tuning.h"
 
 namespace {
@@ -64,7 +64,7 @@ void tune(Arguments& arguments) {
   cbmv::TuningEvents events;
   events.progress = printLine;
   events.improved = [&](const cbmv::TuningReport& report) {
-    cbmv::writePreset(report, arguments.output);
+    cbmv::writePresets(report, arguments.output);
   };
   request.forests =
       arguments.folds > 0
@@ -105,7 +105,8 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_flag(
       "--cross-validate", request.cross_validate,
-      "Search three more times, without one fold of Middlebury v3 each, and score that fold");
+      "Search three more times, without one fold of Middlebury v3 each, score that fold, and "
+      "write its preset to PRESET_without_fold_N.yaml, for cbmv_eval --folds 3");
   app.add_option("--threads", request.start.threads, "0: as many as the machine has")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -207,6 +207,8 @@ class Tuner {
       }
       const std::string label = "without fold " + std::to_string(fold + 1) + ", ";
       const Finding finding = search(others, label, [](const Finding&) {});
+      report_.held_out_folds.push_back({fold, finding.options});
+      events_.improved(report_);
       for (const std::size_t s : held_out) {
         sums[scenes_[s].data_set] += scorer_.error(scenes_[s], finding.options);
       }

@@ -1,6 +1,7 @@
 #include "cbmv_stereo/tuning/tuning_report.h"
 
 #include <cmath>
+#include <filesystem>
 #include <iomanip>
 #include <sstream>
 
@@ -49,6 +50,18 @@ std::string describe(const TunedDataSet& data_set) {
   return wrap(text.str());
 }
 
+std::string presetLines(const std::string& comment, const StereoOptions& options) {
+  std::istringstream lines(comment + "Names, units and ranges: docs/parameters.md.\n");
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    text += "# " + line + "\n";
+  }
+  for (const Parameter& parameter : presetParameters()) {
+    text += parameter.name + ": " + valueText(parameter.get(options)) + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string describeReport(const TuningReport& report) {
@@ -67,20 +80,27 @@ std::string describeReport(const TuningReport& report) {
 }
 
 std::string presetText(const TuningReport& report) {
-  std::istringstream lines(describeReport(report) +
-                           "Names, units and ranges: docs/parameters.md.\n");
-  std::string text;
-  for (std::string line; std::getline(lines, line);) {
-    text += "# " + line + "\n";
-  }
-  for (const Parameter& parameter : presetParameters()) {
-    text += parameter.name + ": " + valueText(parameter.get(report.options)) + "\n";
-  }
-  return text;
+  return presetLines(describeReport(report), report.options);
 }
 
-void writePreset(const TuningReport& report, const std::string& path) {
+std::string presetText(const HeldOutFold& fold) {
+  return presetLines(wrap("cbmv_tune " CBMV_VERSION " found this without the scenes of fold " +
+                          std::to_string(fold.fold + 1) + " of Middlebury v3."),
+                     fold.options);
+}
+
+std::string foldPresetPath(const std::string& path, std::size_t fold) {
+  const std::filesystem::path preset(path);
+  const std::string name = preset.stem().string() + "_without_fold_" + std::to_string(fold + 1) +
+                           preset.extension().string();
+  return (preset.parent_path() / name).string();
+}
+
+void writePresets(const TuningReport& report, const std::string& path) {
   replaceFile(path, presetText(report));
+  for (const HeldOutFold& fold : report.held_out_folds) {
+    replaceFile(foldPresetPath(path, fold.fold), presetText(fold));
+  }
 }
 
 }  // namespace cbmv

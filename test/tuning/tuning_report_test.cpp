@@ -45,7 +45,7 @@ TEST(TuningReport, IsAPresetOfAllButTheVolumesParameters) {
   const TemporaryFolder folder;
   const TuningReport report = makeReport();
   const std::string path = folder.file("new.yaml");
-  writePreset(report, path);
+  writePresets(report, path);
   StereoOptions options;
   readPreset(path, options);
   StereoOptions expected = report.options;
@@ -53,7 +53,22 @@ TEST(TuningReport, IsAPresetOfAllButTheVolumesParameters) {
   EXPECT_EQ(describeOptions(options), describeOptions(expected));
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
   EXPECT_TRUE(
-      mentions(errorText([&] { writePreset(report, folder.file("none/new.yaml")); }), {"none"}));
+      mentions(errorText([&] { writePresets(report, folder.file("none/new.yaml")); }), {"none"}));
+}
+
+TEST(TuningReport, FoldsHavePresetsOfTheirOwn) {
+  const TemporaryFolder folder;
+  TuningReport report = makeReport();
+  StereoOptions other = report.options;
+  other.sgm.p1 = 0.5F;
+  report.held_out_folds = {{0, other}, {2, report.options}};
+  writePresets(report, folder.file("new.yaml"));
+  StereoOptions options;
+  readPreset(folder.file("new_without_fold_1.yaml"), options);
+  EXPECT_EQ(options.sgm.p1, 0.5F);
+  readPreset(folder.file("new_without_fold_3.yaml"), options);
+  EXPECT_EQ(options.sgm.p1, report.options.sgm.p1);
+  EXPECT_FALSE(std::filesystem::exists(foldPresetPath(folder.file("new.yaml"), 1)));
 }
 
 TEST(TuningReport, CommentsFitTheColumns) {

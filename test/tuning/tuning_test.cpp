@@ -8,6 +8,7 @@
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
 
+#include "cbmv_stereo/evaluation/folds.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
@@ -89,6 +90,9 @@ TEST_F(TuningTest, CrossValidationScoresEachFoldWithWhatTheOthersFound) {
     TuningRequest check = request_;
     check.scenes = {all[held_out]};
     check.start = tune(others, events_).options;
+    const HeldOutFold& fold = report.held_out_folds.at(foldOf(all[held_out].scene));
+    EXPECT_EQ(fold.fold, foldOf(all[held_out].scene));
+    EXPECT_EQ(describeOptions(fold.options), describeOptions(check.start));
     check.search.evaluations = 1;
     sum += tune(check, events_).data_sets[0].before;
   }

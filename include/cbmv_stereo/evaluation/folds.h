@@ -1,15 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
-
-#include "cbmv_stereo/evaluation/disparity_source.h"
-#include "cbmv_stereo/forest/forest.h"
-#include "cbmv_stereo/io/data_set.h"
-#include "cbmv_stereo/pipeline/options.h"
-#include "cbmv_stereo/training/forest_training.h"
 
 namespace cbmv {
 
@@ -22,24 +15,5 @@ std::size_t foldOf(const std::string& scene);
 
 /// These scenes, fold after fold. Errors as foldOf.
 std::vector<std::string> orderByFold(const std::vector<std::string>& scenes);
-
-/// A forest, called "fold N", trained on those of `scenes` that lie in other folds. `report` is
-/// trainOnScenes's. Throws Error when there are none, and as foldOf and trainOnScenes do.
-Forest trainWithoutFold(std::size_t fold, const std::vector<SceneReference>& scenes,
-                        const TrainingOptions& training, const TrainingReport& report);
-
-/// One such forest for each fold that has a scene among `wanted`, trained on those of `pool`; only
-/// scenes of Middlebury v3 count. Throws Error when there are none of it among `wanted`.
-std::vector<std::shared_ptr<const Forest>> trainFolds(const std::vector<SceneReference>& wanted,
-                                                      const std::vector<SceneReference>& pool,
-                                                      const TrainingOptions& training,
-                                                      const TrainingReport& report);
-
-/// Matches each scene with a forest trained on those of `scenes` that lie in other folds. Keeps the
-/// forest of the fold asked last: ask in the order of orderByFold. `report` is trainOnScenes's.
-/// Errors as foldOf at once, as trainWithoutFold from the source.
-DisparitySource foldSource(const std::vector<SceneReference>& scenes,
-                           const TrainingOptions& training, const StereoOptions& options,
-                           const TrainingReport& report);
 
 }  // namespace cbmv

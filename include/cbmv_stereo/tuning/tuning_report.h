@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
@@ -19,6 +20,13 @@ struct TunedDataSet {
   double cross_validated = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// What was found without the scenes of one fold of Middlebury v3: the parameters to measure these
+/// scenes with.
+struct HeldOutFold {
+  std::size_t fold = 0;  ///< in middleburyFolds
+  StereoOptions options;
+};
+
 /// What a search found, and from what.
 struct TuningReport {
   std::string start;  ///< for people: the preset that the search began with
@@ -28,6 +36,7 @@ struct TuningReport {
   int rows = 0;  ///< of each scene, from its middle; 0: all
   std::vector<TunedDataSet> data_sets;
   StereoOptions options;
+  std::vector<HeldOutFold> held_out_folds;  ///< by cross-validation
 };
 
 /// Sentences for people, in lines of at most 98 columns.
@@ -36,8 +45,14 @@ std::string describeReport(const TuningReport& report);
 /// A preset of all presetParameters with the description as its comment.
 std::string presetText(const TuningReport& report);
 
-/// Replaces the file as a whole, so that an interruption leaves the old one. Throws Error naming it
-/// when it cannot be written.
-void writePreset(const TuningReport& report, const std::string& path);
+/// The preset of a fold, for cbmv_eval --folds 3.
+std::string presetText(const HeldOutFold& fold);
+
+/// PRESET_without_fold_N.yaml beside PRESET.yaml, N from 1 on.
+std::string foldPresetPath(const std::string& path, std::size_t fold);
+
+/// Writes `path`, and foldPresetPath for each fold held out. Replaces files as a whole, so that an
+/// interruption leaves the old one. Throws Error naming the one that cannot be written.
+void writePresets(const TuningReport& report, const std::string& path);
 
 }  // namespace cbmv
