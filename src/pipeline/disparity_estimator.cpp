@@ -76,8 +76,11 @@ class DisparityEstimator::Impl {
         refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
       }
     }
-    if (options_.refinement.left_right_check) {
+    if (options_.refinement.left_right_check && options_.refinement.optimize_right_view) {
       matchRightView(volume, result);
+    } else if (options_.refinement.left_right_check) {
+      const Stopwatch watch(result.times.refinement_ms);
+      winnerTakesAllAcross(*optimized_, options_.range, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
     refine(winners, result);
