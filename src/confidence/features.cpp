@@ -50,19 +50,22 @@ void findLowestCosts(const CostRow<Cost>& costs, int width, const DisparityRange
   }
 }
 
-/// −(C − c_min)² / 2σ²
+/// (C − c_min)² · factor; −1 / 2σ² gives the logarithm of the likelihood.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V logLikelihood(D tag, V cost, const float* lowest, float two_sigma_squared) {
+HWY_INLINE V scaledSquare(D tag, V cost, const float* lowest, float factor) {
   const V difference = hn::Sub(cost, hn::LoadU(tag, lowest));
-  return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, -1.0F / two_sigma_squared));
+  return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, factor));
 }
 
-/// Adds exp(value) to the lanes of `sums` behind the first `done`.
+/// Adds 2^value to the lanes of `sums` behind the first `done`.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void addExp(D tag, V value, int done, float* sums) {
+HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
   const V before = hn::LoadU(tag, sums);
-  const V after = hn::Add(before, expOfNegative(tag, value));
-  hn::StoreU(hn::IfThenElse(hn::FirstN(tag, done), before, after), tag, sums);
+  V after = hn::Add(before, exp2OfNegative(tag, value));
+  if (done > 0) {
+    after = hn::IfThenElse(hn::FirstN(tag, done), before, after);
+  }
+  hn::StoreU(after, tag, sums);
 }
 
 /// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
@@ -70,7 +73,8 @@ template <typename Cost>
 void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange& range,
                     const MatcherConstants& constants, RowTerms& terms) {
   const float unit = constants.cost_unit;
-  const float two_sigma_squared = constants.two_sigma_squared;
+  constexpr float kLog2E = 1.44269504F;
+  const float factor = -kLog2E / constants.two_sigma_squared;
   const float* left_lowest = terms.left.lowest_cost.data();
   const float* right_lowest = terms.right.lowest_cost.data();
   float* left = terms.left.log_sum.data();
@@ -81,9 +85,8 @@ void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange&
     const Cost* line = costs.line(i);
     forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
       const auto cost = loadCosts(tag, line + x, unit);
-      addExp(tag, logLikelihood(tag, cost, left_lowest + x, two_sigma_squared), done, left + x);
-      addExp(tag, logLikelihood(tag, cost, right_lowest + x - d, two_sigma_squared), done,
-             right + x - d);
+      addExp2(tag, scaledSquare(tag, cost, left_lowest + x, factor), done, left + x);
+      addExp2(tag, scaledSquare(tag, cost, right_lowest + x - d, factor), done, right + x - d);
     });
   }
 }
@@ -137,6 +140,7 @@ void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
   const TermLines left(terms.left, 0);
   const TermLines right(terms.right, d);
   const MatcherConstants c = constants;
+  const float factor = -1.0F / c.two_sigma_squared;
   forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
     const auto cost = loadCosts(tag, line + x, c.cost_unit);
     const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
@@ -149,12 +153,10 @@ void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
     const auto right_ratio = hn::Sub(hn::LoadU(tag, right.log_lowest_cost + x), log_cost);
     sink(tag, kRatioLow, x, hn::Min(left_ratio, right_ratio));
     sink(tag, kRatioHigh, x, hn::Max(left_ratio, right_ratio));
-    const auto left_likelihood =
-        hn::Sub(logLikelihood(tag, cost, left.lowest_cost + x, c.two_sigma_squared),
-                hn::LoadU(tag, left.log_sum + x));
-    const auto right_likelihood =
-        hn::Sub(logLikelihood(tag, cost, right.lowest_cost + x, c.two_sigma_squared),
-                hn::LoadU(tag, right.log_sum + x));
+    const auto left_likelihood = hn::Sub(scaledSquare(tag, cost, left.lowest_cost + x, factor),
+                                         hn::LoadU(tag, left.log_sum + x));
+    const auto right_likelihood = hn::Sub(scaledSquare(tag, cost, right.lowest_cost + x, factor),
+                                          hn::LoadU(tag, right.log_sum + x));
     sink(tag, kLikelihoodLow, x, hn::Min(left_likelihood, right_likelihood));
     sink(tag, kLikelihoodHigh, x, hn::Max(left_likelihood, right_likelihood));
   });
