@@ -107,8 +107,11 @@ class DisparityEstimator::Impl {
   void prepare(const cv::Mat& grey, PreparedImage& image) const {
     image.grey = grey;
     image.deviation = standardDeviation(grey);
-    computeSupportArms(grey, options_.aggregation.arm_length_px,
-                       options_.aggregation.intensity_threshold * image.deviation, image.arms);
+    const AggregationOptions& aggregation = options_.aggregation;
+    if (aggregation.iterations_before + aggregation.iterations_after > 0) {
+      computeSupportArms(grey, aggregation.arm_length_px,
+                         aggregation.intensity_threshold * image.deviation, image.arms);
+    }
   }
 
   /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
