@@ -212,8 +212,8 @@ std::vector<Stage> rowStages() {
          s.sobel_sad.computeRow(s.middleRow(), s.range, s.scratch.sobel_sad, s.costs.sobel_sad);
        },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.sobel_sad, sum); }},
-      {"confidence_terms", Unit::kRowHypotheses, 0, 900, computeTerms, addTerms},
-      {"feature_codes", Unit::kRowHypotheses, 0, 1360, computeAllCodes,
+      {"confidence_terms", Unit::kRowHypotheses, 0, 640, computeTerms, addTerms},
+      {"feature_codes", Unit::kRowHypotheses, 0, 1280, computeAllCodes,
        [](const StageData& s, Checksum& sum) { addVector(s.codes, sum); }},
       {"forest", Unit::kRowHypotheses, 0, 1024, evaluateRow,
        [](const StageData& s, Checksum& sum) { addVector(s.row_costs, sum); }}};
@@ -229,7 +229,7 @@ std::vector<Stage> volumeStages() {
           {"matcher_preparation", Unit::kPixels, 112, 0,
            [](StageData& s) { s.all_matchers.prepare(s.pair.left, s.pair.right); },
            [](const StageData& s, Checksum& sum) { sum.add(s.padded_left); }},
-          {"volume", Unit::kHypotheses, 1, 3583,
+          {"volume", Unit::kHypotheses, 1, 3243,
            [](StageData& s) {
              s.builder.build(s.pair.left, s.pair.right, s.range, *s.forest, s.evaluator, s.volume);
            },
@@ -245,12 +245,12 @@ std::vector<Stage> volumeStages() {
 std::vector<Stage> optimizationStages() {
   return {{"support_arms", Unit::kPixels, 5, 0,
            [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
-          {"sgm_first", Unit::kHypotheses, 8, 64,
+          {"sgm_first", Unit::kHypotheses, 8, 80,
            [](StageData& s) {
              semiGlobalMatching(s.volume, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
            },
            addOutput},
-          {"sgm_second", Unit::kHypotheses, 10, 64,
+          {"sgm_second", Unit::kHypotheses, 10, 80,
            [](StageData& s) {
              semiGlobalMatching(s.optimized, s.edges, View::kLeft, s.range, s.options.sgm,
                                 s.output);
@@ -264,7 +264,7 @@ std::vector<Stage> optimizationStages() {
            addOutput},
           {"winner_takes_all", Unit::kHypotheses, 2, 4,
            [](StageData& s) { winnerTakesAll(s.optimized, View::kLeft, s.range, s.map); }, addMap},
-          {"winner_takes_all_across", Unit::kHypotheses, 2, 10,
+          {"winner_takes_all_across", Unit::kHypotheses, 2, 12,
            [](StageData& s) { winnerTakesAllAcross(s.optimized, s.range, s.map); }, addMap}};
 }
 

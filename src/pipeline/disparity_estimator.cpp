@@ -148,16 +148,17 @@ class DisparityEstimator::Impl {
     }
   }
 
-  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs.
+  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs, so
+  /// that a second volume is needed from the second stage on only.
   template <typename Stage>
   void apply(const Stage& stage) {
     if (matching_costs_ != nullptr) {
-      stage(*matching_costs_, *spare_);
+      stage(*matching_costs_, *optimized_);
+      matching_costs_ = nullptr;
     } else {
       stage(*optimized_, *spare_);
+      std::swap(optimized_, spare_);
     }
-    matching_costs_ = nullptr;
-    std::swap(optimized_, spare_);
   }
 
   /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
