@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,19 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
   app.add_option("--trees", options.boosting.trees)->capture_default_str();
   app.add_option("--depth", options.boosting.depth, "Levels a tree")->capture_default_str();
   app.add_option("--learning-rate", options.boosting.learning_rate)->capture_default_str();
+  app.add_option_function<std::vector<std::string>>(
+         "--matchers",
+         [&options](const std::vector<std::string>& names) {
+           options.boosting.matchers.reset();
+           for (const std::string& name : names) {
+             const auto found = std::find(kMatcherNames.begin(), kMatcherNames.end(), name);
+             options.boosting.matchers.set(found - kMatcherNames.begin());
+           }
+         },
+         "Matchers whose features trees may ask for, separated by commas; fewer are faster "
+         "(default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(kMatcherNames.begin(), kMatcherNames.end())));
 }
 
 }  // namespace cbmv

@@ -148,7 +148,11 @@ class Booster {
 
   ObliviousTree::Level bestQuestion(int leaves) const {
     std::array<Question, kFeatureCount> questions;
-    tbb::parallel_for(0, kFeatureCount, [&](int f) { questions[f] = bestThreshold(f, leaves); });
+    tbb::parallel_for(0, kFeatureCount, [&](int f) {
+      if (options_.matchers[f / kFeaturesPerMatcher]) {
+        questions[f] = bestThreshold(f, leaves);
+      }
+    });
     return std::max_element(questions.begin(), questions.end(),
                             [](const Question& a, const Question& b) { return a.score < b.score; })
         ->level;
@@ -207,6 +211,7 @@ void checkOptions(const Samples& samples, const BoostingOptions& options) {
           "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
   require(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
           "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
+  require(options.matchers.any(), "no matcher is left whose features trees may ask for");
   require(options.learning_rate > 0 && options.learning_rate <= 1,
           "the learning rate must be in (0, 1]");
 }

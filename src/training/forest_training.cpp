@@ -52,6 +52,12 @@ std::string describe(const TrainingOptions& options) {
        << boosting.learning_rate << ", regularization " << boosting.regularization
        << ", pixels per scene " << options.pixels_per_scene << ", rectification refinement "
        << (options.rectification.enabled ? "on" : "off");
+  if (!boosting.matchers.all()) {
+    text << ", matchers";
+    for (int m = 0; m < kMatcherCount; ++m) {
+      text << (boosting.matchers[m] ? std::string(" ") + kMatcherNames[m] : "");
+    }
+  }
   return text.str();
 }
 
