@@ -157,7 +157,7 @@ StageData::StageData(const Problem& problem)
   ncc.prepare(padded_left, padded_right);
   zero_mean_sad.prepare(padded_left, padded_right);
   sobel_sad.prepare(padded_left, padded_right);
-  all_matchers.computeRow(middleRow(), range, scratch, costs);
+  all_matchers.computeRow(middleRow(), range, allMatchers(), scratch, costs);
   computeTerms(*this);
   codes.resize(static_cast<std::size_t>(kFeatureCount) * width());
   row_costs.resize(width());
