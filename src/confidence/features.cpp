@@ -50,19 +50,22 @@ void findLowestCosts(const CostRow<Cost>& costs, int width, const DisparityRange
   }
 }
 
-/// −(C − c_min)² / 2σ²
+/// (C − c_min)² · factor; −1 / 2σ² gives the logarithm of the likelihood.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V logLikelihood(D tag, V cost, const float* lowest, float two_sigma_squared) {
+HWY_INLINE V scaledSquare(D tag, V cost, const float* lowest, float factor) {
   const V difference = hn::Sub(cost, hn::LoadU(tag, lowest));
-  return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, -1.0F / two_sigma_squared));
+  return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, factor));
 }
 
-/// Adds exp(value) to the lanes of `sums` behind the first `done`.
+/// Adds 2^value to the lanes of `sums` behind the first `done`.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void addExp(D tag, V value, int done, float* sums) {
+HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
   const V before = hn::LoadU(tag, sums);
-  const V after = hn::Add(before, expOfNegative(tag, value));
-  hn::StoreU(hn::IfThenElse(hn::FirstN(tag, done), before, after), tag, sums);
+  V after = hn::Add(before, exp2OfNegative(tag, value));
+  if (done > 0) {
+    after = hn::IfThenElse(hn::FirstN(tag, done), before, after);
+  }
+  hn::StoreU(after, tag, sums);
 }
 
 /// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
@@ -70,7 +73,8 @@ template <typename Cost>
 void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange& range,
                     const MatcherConstants& constants, RowTerms& terms) {
   const float unit = constants.cost_unit;
-  const float two_sigma_squared = constants.two_sigma_squared;
+  constexpr float kLog2E = 1.44269504F;
+  const float factor = -kLog2E / constants.two_sigma_squared;
   const float* left_lowest = terms.left.lowest_cost.data();
   const float* right_lowest = terms.right.lowest_cost.data();
   float* left = terms.left.log_sum.data();
@@ -81,9 +85,8 @@ void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange&
     const Cost* line = costs.line(i);
     forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
       const auto cost = loadCosts(tag, line + x, unit);
-      addExp(tag, logLikelihood(tag, cost, left_lowest + x, two_sigma_squared), done, left + x);
-      addExp(tag, logLikelihood(tag, cost, right_lowest + x - d, two_sigma_squared), done,
-             right + x - d);
+      addExp2(tag, scaledSquare(tag, cost, left_lowest + x, factor), done, left + x);
+      addExp2(tag, scaledSquare(tag, cost, right_lowest + x - d, factor), done, right + x - d);
     });
   }
 }
@@ -126,38 +129,85 @@ struct TermLines {
         log_sum(terms.log_sum.data() - shift) {}
 };
 
-/// Passes vectors of features to `sink(tag, feature, x, values)`.
+/// What the features of one matcher at one disparity are computed from.
+template <typename Cost>
+struct FeatureInput {
+  const Cost* costs;
+  TermLines left;
+  TermLines right;
+  MatcherConstants constants;
+};
+
+/// Columns of a block, at most twice as many: short enough for the first-level cache.
+constexpr int kBlock = 256;
+
+/// Passes vectors of kCost and keeps log(C + ε), from log_costs on.
 template <typename Cost, class Sink>
-void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
-                 const DisparityRange& range, int i, const MatcherConstants& constants,
-                 const Sink& sink) {
-  const int d = range.min + i;
-  const ColumnSpan span = matchedColumns(width, d);
-  const Cost* line = costs.line(i);
-  const TermLines left(terms.left, 0);
-  const TermLines right(terms.right, d);
-  const MatcherConstants c = constants;
-  forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-    const auto cost = loadCosts(tag, line + x, c.cost_unit);
+HWY_INLINE void passCosts(const FeatureInput<Cost>& input, const ColumnSpan& block,
+                          float* log_costs, const Sink& sink) {
+  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
+    const MatcherConstants& c = input.constants;
+    const auto cost = loadCosts(tag, input.costs + x, c.cost_unit);
     const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
+    hn::StoreU(log_cost, tag, log_costs + (x - block.begin));
     if (c.logarithmic_cost) {
       sink(tag, kCost, x, log_cost);
     } else {
       sink(tag, kCost, x, cost);
     }
-    const auto left_ratio = hn::Sub(hn::LoadU(tag, left.log_lowest_cost + x), log_cost);
-    const auto right_ratio = hn::Sub(hn::LoadU(tag, right.log_lowest_cost + x), log_cost);
-    sink(tag, kRatioLow, x, hn::Min(left_ratio, right_ratio));
-    sink(tag, kRatioHigh, x, hn::Max(left_ratio, right_ratio));
-    const auto left_likelihood =
-        hn::Sub(logLikelihood(tag, cost, left.lowest_cost + x, c.two_sigma_squared),
-                hn::LoadU(tag, left.log_sum + x));
-    const auto right_likelihood =
-        hn::Sub(logLikelihood(tag, cost, right.lowest_cost + x, c.two_sigma_squared),
-                hn::LoadU(tag, right.log_sum + x));
-    sink(tag, kLikelihoodLow, x, hn::Min(left_likelihood, right_likelihood));
-    sink(tag, kLikelihoodHigh, x, hn::Max(left_likelihood, right_likelihood));
   });
+}
+
+template <typename Cost, class Sink>
+HWY_INLINE void passRatios(const FeatureInput<Cost>& input, const ColumnSpan& block,
+                           const float* log_costs, const Sink& sink) {
+  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
+    const auto log_cost = hn::LoadU(tag, log_costs + (x - block.begin));
+    const auto left = hn::Sub(hn::LoadU(tag, input.left.log_lowest_cost + x), log_cost);
+    const auto right = hn::Sub(hn::LoadU(tag, input.right.log_lowest_cost + x), log_cost);
+    sink(tag, kRatioLow, x, hn::Min(left, right));
+    sink(tag, kRatioHigh, x, hn::Max(left, right));
+  });
+}
+
+template <typename Cost, class Sink>
+HWY_INLINE void passLikelihoods(const FeatureInput<Cost>& input, const ColumnSpan& block,
+                                const Sink& sink) {
+  const float factor = -1.0F / input.constants.two_sigma_squared;
+  const auto likelihood = [factor](auto tag, auto cost, const TermLines& terms, int x) HWY_ATTR {
+    return hn::Sub(scaledSquare(tag, cost, terms.lowest_cost + x, factor),
+                   hn::LoadU(tag, terms.log_sum + x));
+  };
+  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
+    const auto cost = loadCosts(tag, input.costs + x, input.constants.cost_unit);
+    const auto left = likelihood(tag, cost, input.left, x);
+    const auto right = likelihood(tag, cost, input.right, x);
+    sink(tag, kLikelihoodLow, x, hn::Min(left, right));
+    sink(tag, kLikelihoodHigh, x, hn::Max(left, right));
+  });
+}
+
+/// Passes vectors of features to `sink(tag, feature, x, values)`. One short loop a kind of feature:
+/// in a long one, each vector waits for a long chain of instructions, and too few vectors are under
+/// way at once.
+template <typename Cost, class Sink>
+void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
+                 const DisparityRange& range, int i, const MatcherConstants& constants,
+                 const Sink& sink) {
+  const int d = range.min + i;
+  const FeatureInput<Cost> input{costs.line(i), TermLines(terms.left, 0), TermLines(terms.right, d),
+                                 constants};
+  const ColumnSpan span = matchedColumns(width, d);
+  HWY_ALIGN float log_costs[2 * kBlock];
+  int end = span.begin;
+  while (end < span.end) {
+    const int begin = end;
+    end = span.end - begin > 2 * kBlock ? begin + kBlock : span.end;
+    const ColumnSpan block{begin, end};
+    passCosts(input, block, log_costs, sink);
+    passRatios(input, block, log_costs, sink);
+    passLikelihoods(input, block, sink);
+  }
 }
 
 void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,

@@ -2,38 +2,49 @@
 
 namespace cbmv {
 
+template <typename Use>
+void RowFeatures::forUsedMatchers(const Use& use) const {
+  for (int m = 0; m < kMatcherCount; ++m) {
+    if (used_[m]) {
+      use(m);
+    }
+  }
+}
+
 void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
-                             const DisparityRange& range) {
+                             const DisparityRange& range, const MatcherSelection& used) {
   width_ = width;
   range_ = range;
-  matchers.computeRow(y, range, scratch_, costs_);
-  for (int m = 0; m < kMatcherCount; ++m) {
+  used_ = used;
+  matchers.computeRow(y, range, used, scratch_, costs_);
+  forUsedMatchers([&](int m) {
     computeRowTerms(costs_.rows()[m], width, range, kMatcherConstants[m], terms_[m]);
-  }
+  });
 }
 
 void RowFeatures::compute(int i) {
   values_.resize(lineOffset(kFeatureCount));
-  for (int m = 0; m < kMatcherCount; ++m) {
+  forUsedMatchers([&](int m) {
     FeatureLines lines{};
     for (int f = 0; f < kFeaturesPerMatcher; ++f) {
       lines[f] = values_.data() + lineOffset(featureIndex(m, f));
     }
     computeFeatures(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], lines);
-  }
+  });
 }
 
 void RowFeatures::computeCodes(int i, const FeatureQuantizer& quantizer) {
   codes_.resize(lineOffset(kFeatureCount));
-  for (int m = 0; m < kMatcherCount; ++m) {
+  forUsedMatchers([&](int m) {
     CodeLines lines{};
     MatcherCodeMaps maps{};
     for (int f = 0; f < kFeaturesPerMatcher; ++f) {
       lines[f] = codes_.data() + lineOffset(featureIndex(m, f));
       maps[f] = quantizer.maps[featureIndex(m, f)];
     }
-    cbmv::computeCodes(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps, lines);
-  }
+    cbmv::computeCodes(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps,
+                       lines);
+  });
 }
 
 }  // namespace cbmv

@@ -1,6 +1,9 @@
 #include "cbmv_stereo/optimization/winner_takes_all.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -46,6 +49,38 @@ int findCheapest(const std::uint16_t* costs, int count) {
   return first + static_cast<int>(hn::FindFirstTrue(tag, found));
 }
 
+/// Lowers lowest[h] to costs[h] for h in [0, count) and says in winners[h], for these, that the
+/// hypothesis was `first` + h. Reads and writes whole vectors.
+void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t* lowest,
+                 std::uint16_t* winners) {
+  const LineTag<std::uint16_t> tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  for (int h = 0; h < count; h += lanes) {
+    const auto cost = loadFirst(costs + h, count - h);
+    const auto before = hn::LoadU(tag, lowest + h);
+    const auto after = hn::Min(before, cost);
+    const auto hypotheses = hn::Iota(tag, static_cast<std::uint16_t>(first + h));
+    const auto is_cheapest = hn::And(hn::Eq(after, cost), hn::FirstN(tag, count - h));
+    hn::StoreU(after, tag, lowest + h);
+    hn::StoreU(hn::IfThenElse(is_cheapest, hypotheses, hn::LoadU(tag, winners + h)), tag,
+               winners + h);
+  }
+}
+
+/// The winners of the right image's row from the costs of the left one's; right to left, so that
+/// the smallest hypothesis that matches a right pixel comes last. `lowest` and `winners` hold the
+/// right pixels from right to left, for in this order a left pixel's hypotheses match them.
+void findWinnersAcross(const std::uint16_t* costs, int disparities, const cv::Range* inside,
+                       int columns, int lowest_disparity, std::uint16_t* lowest,
+                       std::uint16_t* winners) {
+  for (int x = columns - 1; x >= 0; --x) {
+    const int start = inside[x].start;
+    const int match = columns - 1 - x + lowest_disparity + start;
+    takeCheaper(costs + static_cast<std::ptrdiff_t>(x) * disparities + start, start,
+                inside[x].end - start, lowest + match, winners + match);
+  }
+}
+
 /// The cheapest of the hypotheses inside[x] of each pixel, or `invalid` where there are none.
 void findWinners(const std::uint16_t* costs, int disparities, const cv::Range* inside, int columns,
                  float lowest_disparity, float invalid, float* winners) {
@@ -68,6 +103,30 @@ namespace cbmv {
 namespace {
 
 HWY_EXPORT(findWinners);
+HWY_EXPORT(findWinnersAcross);
+
+/// Of each column of a row.
+std::vector<cv::Range> insideOfRow(View view, const DisparityRange& range, int width) {
+  std::vector<cv::Range> inside;
+  for (int x = 0; x < width; ++x) {
+    inside.push_back(insideDisparities(view, range, x, width));
+  }
+  return inside;
+}
+
+/// Winners of the pixels of a row of the right image, from right to left.
+struct RowAcross {
+  static constexpr std::uint16_t kNone = 0xffff;
+
+  void reset(int width) {
+    const std::size_t size = width + kReadableBytesBeyond / sizeof(std::uint16_t);
+    lowest.assign(size, 0xffff);
+    winners.assign(size, kNone);
+  }
+
+  std::vector<std::uint16_t> lowest;
+  std::vector<std::uint16_t> winners;
+};
 
 }  // namespace
 
@@ -75,15 +134,35 @@ void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRang
                     cv::Mat& disparity) {
   CV_Assert(costs.disparities() == range.count);
   disparity.create(costs.height(), costs.width(), CV_32FC1);
-  std::vector<cv::Range> inside;
-  for (int x = 0; x < costs.width(); ++x) {
-    inside.push_back(insideDisparities(view, range, x, costs.width()));
-  }
+  const std::vector<cv::Range> inside = insideOfRow(view, range, costs.width());
   tbb::parallel_for(tbb::blocked_range<int>(0, costs.height()), [&](const auto& rows) {
     for (int y = rows.begin(); y != rows.end(); ++y) {
       HWY_DYNAMIC_DISPATCH(findWinners)
       (costs.row(y), range.count, inside.data(), costs.width(), static_cast<float>(range.min),
        range.invalid(), disparity.ptr<float>(y));
+    }
+  });
+}
+
+void winnerTakesAllAcross(const OptimizedVolume& left_costs, const DisparityRange& range,
+                          cv::Mat& right_disparity) {
+  CV_Assert(left_costs.disparities() == range.count);
+  const int width = left_costs.width();
+  right_disparity.create(left_costs.height(), width, CV_32FC1);
+  const std::vector<cv::Range> inside = insideOfRow(View::kLeft, range, width);
+  tbb::parallel_for(tbb::blocked_range<int>(0, left_costs.height()), [&](const auto& rows) {
+    RowAcross row;
+    for (int y = rows.begin(); y != rows.end(); ++y) {
+      row.reset(width);
+      HWY_DYNAMIC_DISPATCH(findWinnersAcross)
+      (left_costs.row(y), range.count, inside.data(), width, range.min, row.lowest.data(),
+       row.winners.data());
+      std::transform(row.winners.begin(), row.winners.begin() + width,
+                     std::make_reverse_iterator(right_disparity.ptr<float>(y) + width),
+                     [&range](std::uint16_t winner) {
+                       return winner == RowAcross::kNone ? range.invalid()
+                                                         : static_cast<float>(range.min + winner);
+                     });
     }
   });
 }

@@ -76,8 +76,11 @@ class DisparityEstimator::Impl {
         refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
       }
     }
-    if (options_.refinement.left_right_check) {
+    if (options_.refinement.left_right_check && options_.refinement.optimize_right_view) {
       matchRightView(volume, result);
+    } else if (options_.refinement.left_right_check) {
+      const Stopwatch watch(result.times.refinement_ms);
+      winnerTakesAllAcross(*optimized_, options_.range, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
     refine(winners, result);
@@ -104,8 +107,11 @@ class DisparityEstimator::Impl {
   void prepare(const cv::Mat& grey, PreparedImage& image) const {
     image.grey = grey;
     image.deviation = standardDeviation(grey);
-    computeSupportArms(grey, options_.aggregation.arm_length_px,
-                       options_.aggregation.intensity_threshold * image.deviation, image.arms);
+    const AggregationOptions& aggregation = options_.aggregation;
+    if (aggregation.iterations_before + aggregation.iterations_after > 0) {
+      computeSupportArms(grey, aggregation.arm_length_px,
+                         aggregation.intensity_threshold * image.deviation, image.arms);
+    }
   }
 
   /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
@@ -142,16 +148,17 @@ class DisparityEstimator::Impl {
     }
   }
 
-  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs.
+  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs, so
+  /// that a second volume is needed from the second stage on only.
   template <typename Stage>
   void apply(const Stage& stage) {
     if (matching_costs_ != nullptr) {
-      stage(*matching_costs_, *spare_);
+      stage(*matching_costs_, *optimized_);
+      matching_costs_ = nullptr;
     } else {
       stage(*optimized_, *spare_);
+      std::swap(optimized_, spare_);
     }
-    matching_costs_ = nullptr;
-    std::swap(optimized_, spare_);
   }
 
   /// Check, filling and filters. The filled pixels take sub-pixel disparities from their

@@ -148,8 +148,12 @@ void addRefinementParameters(ParameterTable& table) {
   table.add(
       "left_right_check", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.left_right_check; },
-      "Match the right view too and find occlusions and mismatches; doubles the time of the "
-      "optimization");
+      "Match the right view too and find occlusions and mismatches");
+  table.add(
+      "optimize_right_view", "", 0, 1,
+      [](Options& o) -> bool& { return o.refinement.optimize_right_view; },
+      "For the check, optimize the right view's volume too, which doubles the time of the "
+      "optimization; else take its winners from the left view's optimized volume");
   table.add(
       "left_right_max_difference", "px", 0, 16,
       [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },

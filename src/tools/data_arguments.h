@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -70,6 +71,20 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
   app.add_option("--features-per-split", options.random_forest.features_per_split,
                  "Features drawn for each split of a random forest")
       ->capture_default_str();
+  app.add_option_function<std::vector<std::string>>(
+         "--matchers",
+         [&options](const std::vector<std::string>& names) {
+           options.boosting.matchers.reset();
+           for (const std::string& name : names) {
+             const auto found = std::find(kMatcherNames.begin(), kMatcherNames.end(), name);
+             options.boosting.matchers.set(found - kMatcherNames.begin());
+           }
+         },
+         "Matchers whose features oblivious trees may ask for, separated by commas; fewer are "
+         "faster "
+         "(default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(kMatcherNames.begin(), kMatcherNames.end())));
 }
 
 }  // namespace cbmv

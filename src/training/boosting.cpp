@@ -161,7 +161,11 @@ class Booster {
 
   Question bestQuestion(int leaves) const {
     std::array<Question, kFeatureCount> questions;
-    tbb::parallel_for(0, kFeatureCount, [&](int f) { questions[f] = bestThreshold(f, leaves); });
+    tbb::parallel_for(0, kFeatureCount, [&](int f) {
+      if (options_.matchers[f / kFeaturesPerMatcher]) {
+        questions[f] = bestThreshold(f, leaves);
+      }
+    });
     return *std::max_element(questions.begin(), questions.end(),
                              [](const Question& a, const Question& b) { return a.gain < b.gain; });
   }
@@ -213,6 +217,7 @@ void checkOptions(const Samples& samples, const BoostingOptions& options) {
                      "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
   requireForTraining(options.learning_rate > 0 && options.learning_rate <= 1,
                      "the learning rate must be in (0, 1]");
+  requireForTraining(options.matchers.any(), "no matcher is left whose features trees may ask for");
 }
 
 }  // namespace

@@ -64,19 +64,31 @@ Forest trainPaperForest(const Samples& samples, const TrainingOptions& options,
   return forest;
 }
 
+void describeTo(std::ostream& text, const BoostingOptions& boosting) {
+  text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
+       << boosting.learning_rate << ", regularization " << boosting.regularization;
+  if (!boosting.matchers.all()) {
+    text << ", matchers";
+    for (int m = 0; m < kMatcherCount; ++m) {
+      text << (boosting.matchers[m] ? std::string(" ") + kMatcherNames[m] : "");
+    }
+  }
+}
+
+void describeTo(std::ostream& text, const RandomForestOptions& forest) {
+  text << "random forest, trees " << forest.trees << ", samples per leaf "
+       << forest.samples_per_leaf << ", features per split " << forest.features_per_split
+       << ", part of the samples per tree " << forest.samples_per_tree;
+}
+
 }  // namespace
 
 std::string describe(const TrainingOptions& options) {
   std::ostringstream text;
   if (options.kind == ForestKind::kOblivious) {
-    const BoostingOptions& boosting = options.boosting;
-    text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
-         << boosting.learning_rate << ", regularization " << boosting.regularization;
+    describeTo(text, options.boosting);
   } else {
-    const RandomForestOptions& forest = options.random_forest;
-    text << "random forest, trees " << forest.trees << ", samples per leaf "
-         << forest.samples_per_leaf << ", features per split " << forest.features_per_split
-         << ", part of the samples per tree " << forest.samples_per_tree;
+    describeTo(text, options.random_forest);
   }
   text << ", pixels per scene " << options.pixels_per_scene << ", samples at most "
        << options.max_samples << ", rectification refinement "

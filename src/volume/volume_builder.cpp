@@ -81,6 +81,24 @@ struct RowWorkspace {
   std::vector<std::uint8_t> costs;  ///< [d][x]
 };
 
+/// The matchers whose features a tree asks for.
+MatcherSelection askedMatchers(const Forest& forest) {
+  MatcherSelection asked;
+  for (const ObliviousTree& tree : forest.trees) {
+    for (const ObliviousTree::Level& level : tree.levels) {
+      asked.set(level.feature / kFeaturesPerMatcher);
+    }
+  }
+  for (const DecisionTree& tree : forest.general_trees) {
+    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+      if (!tree.isLeaf(n)) {
+        asked.set(tree.nodes[n].feature / kFeaturesPerMatcher);
+      }
+    }
+  }
+  return asked;
+}
+
 /// Costs of the hypotheses of one disparity of the row: features, their codes, the forest.
 void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width, int d, int i,
                RowWorkspace& workspace) {
@@ -154,10 +172,11 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
   const int width = left.cols;
   volume.resize(left.rows, width, range.count);
   impl_->matchers.prepare(left, right);
+  const MatcherSelection asked = askedMatchers(forest);
   tbb::parallel_for(0, left.rows, [&](int y) {
     RowWorkspace& workspace = impl_->workspaces.local();
     workspace.costs.resize(static_cast<std::size_t>(width) * range.count);
-    workspace.features.prepareRow(impl_->matchers, y, width, range);
+    workspace.features.prepareRow(impl_->matchers, y, width, range, asked);
     for (int i = 0; i < range.count; ++i) {
       scoreLine(forest, evaluator, width, range.min + i, i, workspace);
     }

@@ -37,6 +37,37 @@ TEST_P(WinnerTakesAll, EqualsNaiveOne) {
   }
 }
 
+float naiveWinnerAcross(const OptimizedVolume& left_costs, const DisparityRange& range, int y,
+                        int x) {
+  float winner = range.invalid();
+  int lowest = 1 << 20;
+  for (int d = range.min; d <= range.max(); ++d) {
+    const int left = x + d;
+    if (left >= 0 && left < left_costs.width() &&
+        left_costs.pixel(y, left)[d - range.min] < lowest) {
+      lowest = left_costs.pixel(y, left)[d - range.min];
+      winner = static_cast<float>(d);
+    }
+  }
+  return winner;
+}
+
+TEST_P(WinnerTakesAll, AcrossEqualsNaiveOne) {
+  const auto [shape, view, content] = GetParam();
+  if (view == View::kRight) {
+    return;  // the costs are always of the left view
+  }
+  for (const int max_cost : {0, 3, 255, 65535}) {
+    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    onEverySimdTarget([&, all = shape] {
+      cv::Mat disparity;
+      winnerTakesAllAcross(costs, all.range, disparity);
+      expectMap<float>(disparity, all.size(),
+                       [&](int y, int x) { return naiveWinnerAcross(costs, all.range, y, x); });
+    });
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, WinnerTakesAll, allCases());
 
 }  // namespace

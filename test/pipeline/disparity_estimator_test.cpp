@@ -63,9 +63,10 @@ TEST(DisparityEstimator, LeavesTheRightViewsVolume) {
   const cv::Mat left = makeGrey({31, 12}, Content::kPatches, 1);
   const cv::Mat right = makeGrey({31, 12}, Content::kPatches, 2);
   const MatchingVolume original = buildVolume(left, right, range, forest);
-  const auto volume_after = [&](bool check) {
+  const auto volume_after = [&](bool check, bool optimize_right_view) {
     StereoOptions options = alignedOptions(range);
     options.refinement.left_right_check = check;
+    options.refinement.optimize_right_view = optimize_right_view;
     MatchingVolume volume = original;
     StereoResult result;
     DisparityEstimator().estimate(left, right, options, volume, result);
@@ -76,8 +77,9 @@ TEST(DisparityEstimator, LeavesTheRightViewsVolume) {
   const auto same = [](const MatchingVolume& a, const MatchingVolume& b) {
     return a.size() == b.size() && std::equal(a.row(0), a.row(0) + a.size(), b.row(0));
   };
-  EXPECT_TRUE(same(volume_after(true), shifted));
-  EXPECT_TRUE(same(volume_after(false), original));
+  EXPECT_TRUE(same(volume_after(true, true), shifted));
+  EXPECT_TRUE(same(volume_after(true, false), original));
+  EXPECT_TRUE(same(volume_after(false, true), original));
 }
 
 }  // namespace

@@ -189,6 +189,7 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
       {"sgm_iterations", 1},
       {"sgm_iterations", 0},
       {"left_right_check", false},
+      {"optimize_right_view", false},
       {"left_right_max_difference", 0.0},
       {"fill_occlusions", false},
       {"fill_mismatches", false},

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include "support/scoped_simd_target.h"
+
 namespace cbmv::test {
 
 /// Every instruction set that the vector code is compiled for and that this machine has, the
@@ -19,22 +21,6 @@ inline std::vector<std::int64_t> simdTargets() {
   }
   return targets;
 }
-
-/// While it lives, the vector code runs on `target`.
-class ScopedSimdTarget {
- public:
-  explicit ScopedSimdTarget(std::int64_t target) { choose(target); }
-  ~ScopedSimdTarget() { choose(0); }
-  ScopedSimdTarget(const ScopedSimdTarget&) = delete;
-  ScopedSimdTarget& operator=(const ScopedSimdTarget&) = delete;
-
- private:
-  /// 0: the best one.
-  static void choose(std::int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
 
 /// Runs a check on every instruction set.
 template <typename Check>

@@ -102,6 +102,17 @@ TEST(Boosting, NamesTheFeaturesThatMatter) {
   }
 }
 
+TEST(Boosting, AsksForTheFeaturesOfTheGivenMatchersOnly) {
+  BoostingOptions options;
+  options.trees = 6;
+  options.matchers = MatcherSelection().set(kNcc).set(kSobelSad);
+  for (const ObliviousTree& tree : trainForest(checkerboard(3000), options, ignoreProgress).trees) {
+    for (const ObliviousTree::Level& level : tree.levels) {
+      EXPECT_TRUE(options.matchers[level.feature / kFeaturesPerMatcher]);
+    }
+  }
+}
+
 TEST(Boosting, DoesNotDependOnThreads) {
   const auto train = [](int threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -127,6 +138,7 @@ TEST(Boosting, RefusesImpossibleOptions) {
   EXPECT_THROW(train([](BoostingOptions& o) { o.trees = 0; }), Error);
   EXPECT_THROW(train([](BoostingOptions& o) { o.depth = 9; }), Error);
   EXPECT_THROW(train([](BoostingOptions& o) { o.learning_rate = 0; }), Error);
+  EXPECT_THROW(train([](BoostingOptions& o) { o.matchers.reset(); }), Error);
   Samples one_class = samples;
   std::fill(one_class.labels.begin(), one_class.labels.end(), std::uint8_t{1});
   EXPECT_THROW(trainForest(one_class, {}, ignoreProgress), Error);

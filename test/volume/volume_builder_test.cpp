@@ -62,6 +62,24 @@ TEST_P(VolumeBuilderTest, HoldsTheAnswerOfGeneralTrees) {
   });
 }
 
+TEST_P(VolumeBuilderTest, MatchersThatNoTreeAsksForDoNotMatter) {
+  const Shape shape = GetParam();
+  Forest forest = makeForest(30, 6, 5);
+  for (ObliviousTree& tree : forest.trees) {
+    for (ObliviousTree::Level& level : tree.levels) {
+      level.feature = static_cast<std::uint8_t>(level.feature % (2 * kFeaturesPerMatcher));
+    }
+  }
+  Forest asks_for_all = forest;  // the same answers: all leaves of the new tree are zero
+  for (const int matcher : {kCensus, kNcc, kZeroMeanSad, kSobelSad}) {
+    const auto feature = static_cast<std::uint8_t>(featureIndex(matcher, kCost));
+    asks_for_all.trees.push_back({{{feature, 9}}, {0, 0}});
+  }
+  const MatchingVolume volume = buildVolume(shape, forest);
+  const MatchingVolume expected = buildVolume(shape, asks_for_all);
+  EXPECT_TRUE(std::equal(volume.row(0), volume.row(0) + volume.size(), expected.row(0)));
+}
+
 TEST_P(VolumeBuilderTest, IsTheSameOnEveryInstructionSet) {
   const Shape shape = GetParam();
   const Forest forest = makeForest(30, 6, 5);

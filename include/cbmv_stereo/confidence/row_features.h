@@ -10,13 +10,15 @@
 
 namespace cbmv {
 
-/// All 20 features of one image row, one disparity at a time: the matchers' costs of the row first,
+/// The 20 features of one image row, one disparity at a time: the matchers' costs of the row first,
 /// then the terms of its pixels, then features or their codes on demand. Holds the buffers of a
 /// row; one object per thread.
 class RowFeatures {
  public:
-  /// Matches row y of the pair that `matchers` was prepared with.
-  void prepareRow(const MatcherSet& matchers, int y, int width, const DisparityRange& range);
+  /// Matches row y of the pair that `matchers` was prepared with. Of matchers that are not `used`,
+  /// the features below are unspecified and cost no time.
+  void prepareRow(const MatcherSet& matchers, int y, int width, const DisparityRange& range,
+                  const MatcherSelection& used = allMatchers());
 
   /// Feature values at disparity range.min + i: line(f)[x] for x in
   /// matchedColumns(width, range.min + i).
@@ -28,10 +30,13 @@ class RowFeatures {
   const std::uint8_t* codes(int feature) const { return codes_.data() + lineOffset(feature); }
 
  private:
+  template <typename Use>
+  void forUsedMatchers(const Use& use) const;
   std::size_t lineOffset(int feature) const { return static_cast<std::size_t>(feature) * width_; }
 
   int width_ = 0;
   DisparityRange range_;
+  MatcherSelection used_;
   MatcherSet::Scratch scratch_;
   MatcherCosts costs_;
   std::array<RowTerms, kMatcherCount> terms_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 
 #include <opencv2/core.hpp>
@@ -16,6 +17,12 @@ namespace cbmv {
 /// The four matchers, in the order of their features.
 enum Matcher { kCensus, kNcc, kZeroMeanSad, kSobelSad };
 constexpr int kMatcherCount = 4;
+constexpr std::array<const char*, kMatcherCount> kMatcherNames = {"census", "ncc", "zero_mean_sad",
+                                                                  "sobel_sad"};
+
+/// Which matchers are used; bit of Matcher.
+using MatcherSelection = std::bitset<kMatcherCount>;
+inline MatcherSelection allMatchers() { return MatcherSelection().set(); }
 
 /// The matching costs of a row by every matcher.
 struct MatcherCosts {
@@ -43,8 +50,9 @@ class MatcherSet {
   /// Both CV_8UC1 of the same size. Copies what it needs.
   void prepare(const cv::Mat& left, const cv::Mat& right);
 
-  /// Costs of row y by every matcher.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch, MatcherCosts& costs) const;
+  /// Costs of row y by the matchers `used`; those of the others stay as they are.
+  void computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
+                  Scratch& scratch, MatcherCosts& costs) const;
 
  private:
   cv::Mat padded_left_;

@@ -13,4 +13,10 @@ namespace cbmv {
 void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity);
 
+/// The same for the pixels of the right image, from the costs of the left view: the winner of
+/// (x, y) is the smallest d that minimizes left_costs(x + d, y, d). With the matching volume this
+/// would be the right view's own; optimized costs differ a little between the views.
+void winnerTakesAllAcross(const OptimizedVolume& left_costs, const DisparityRange& range,
+                          cv::Mat& right_disparity);
+
 }  // namespace cbmv

@@ -4,7 +4,8 @@ namespace cbmv {
 
 /// Everything after winner takes all. Defaults: the authors' Middlebury settings.
 struct RefinementOptions {
-  bool left_right_check = true;               ///< label occlusions and mismatches
+  bool left_right_check = true;     ///< label occlusions and mismatches
+  bool optimize_right_view = true;  ///< for the check; else its winners come from the left volume
   float max_left_right_difference_px = 1.0F;  ///< up to which both views agree
   bool fill_occlusions = true;                ///< else such pixels are invalid
   bool fill_mismatches = true;                ///< else such pixels are invalid

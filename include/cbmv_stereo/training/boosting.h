@@ -19,6 +19,8 @@ struct BoostingOptions {
   double learning_rate = 0.3;     ///< part of the optimal step that each tree takes
   double regularization = 10.0;   ///< added to a leaf's second derivative
   double leaf_unit = 1.0 / 64.0;  ///< log-odds per unit of a leaf; leaves have 8 bits
+  /// Whose features trees may ask for; a forest of fewer matchers is faster.
+  MatcherSelection matchers = allMatchers();
 };
 
 /// Called after each tree: trees done, log-loss on the held-out samples (nats a sample).

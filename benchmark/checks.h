@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/targets.h>
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/volume.h"
+
+namespace cbmv::benchmarks {
+
+/// FNV-1a of results, to compare what was timed with what is right without keeping it.
+class Checksum {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    const auto* byte = static_cast<const std::uint8_t*>(data);
+    for (std::size_t i = 0; i < bytes; ++i) {
+      value_ = (value_ ^ byte[i]) * 1099511628211ULL;
+    }
+  }
+  void add(const cv::Mat& map) {
+    for (int y = 0; y < map.rows; ++y) {
+      add(map.ptr(y), map.cols * map.elemSize());
+    }
+  }
+  template <typename Cost>
+  void add(const Volume<Cost>& volume) {
+    add(volume.row(0), volume.size() * sizeof(Cost));
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 1469598103934665603ULL;
+};
+
+/// An instruction set other than the best one, where the machine has one: the slowest that the
+/// kernels are compiled for.
+inline std::int64_t otherSimdTarget() { return hwy::SupportedAndGeneratedTargets().back(); }
+
+}  // namespace cbmv::benchmarks

@@ -1,0 +1,291 @@
+// Times every stage and the whole method beside OpenCV's matchers, on the same pairs, and checks
+// the results it times. Flags: Google Benchmark's, and those of --help.
+
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <benchmark/benchmark.h>
+#include <opencv2/core.hpp>
+#include <tbb/task_arena.h>
+
+#include "../src/tools/run_tool.h"
+#include "checks.h"
+#include "machine.h"
+#include "pipelines.h"
+#include "problem.h"
+#include "stages.h"
+#include "support/scoped_simd_target.h"
+
+namespace cbmv::benchmarks {
+namespace {
+
+using benchmark::Counter;
+
+/// What is needed between benchmarks; only the latest problem's data is kept.
+class Session {
+ public:
+  StageData& stageData(const Problem& problem) {
+    if (!data_ || problem_ != problem.name()) {
+      data_.reset();
+      data_ = makeStageData(problem);
+      problem_ = problem.name();
+    }
+    return *data_;
+  }
+
+  /// Whether `result` is what the result of that name was when this was asked first; `make` says
+  /// what it should have been then.
+  template <typename Make>
+  bool isAsExpected(const std::string& name, std::uint64_t result, const Make& make) {
+    const auto known = expected_.find(name);
+    return result == (known != expected_.end() ? known->second : expected_[name] = make());
+  }
+
+ private:
+  std::string problem_;
+  std::shared_ptr<StageData> data_;
+  std::map<std::string, std::uint64_t> expected_;
+};
+
+int allThreads() { return static_cast<int>(std::thread::hardware_concurrency()); }
+
+std::uint64_t checksum(const cv::Mat& map) {
+  Checksum sum;
+  sum.add(map);
+  return sum.value();
+}
+
+std::uint64_t runStage(const Stage& stage, StageData& data, int threads) {
+  tbb::task_arena(threads).execute([&] { stage.run(data); });
+  Checksum sum;
+  stage.add_result(data, sum);
+  return sum.value();
+}
+
+/// The result by two threads and on another instruction set.
+std::uint64_t otherResult(const Stage& stage, StageData& data) {
+  const test::ScopedSimdTarget scope(otherSimdTarget());
+  return runStage(stage, data, 2);
+}
+
+double unitsOf(const Stage& stage, const Problem& problem) {
+  return stage.unit == StageUnit::kPixels          ? problem.pixels()
+         : stage.unit == StageUnit::kRowHypotheses ? problem.hypotheses() / problem.height
+                                                   : problem.hypotheses();
+}
+
+/// Time a unit, in nanoseconds, as a counter.
+Counter nanoseconds(double units) {
+  return {units * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert};
+}
+
+void timeStage(benchmark::State& state, const Stage& stage, const Problem& problem,
+               Session& session) {
+  StageData& data = session.stageData(problem);
+  const std::uint64_t result = runStage(stage, data, 1);
+  if (!session.isAsExpected(stage.name + problem.name(), result,
+                            [&] { return otherResult(stage, data); })) {
+    state.SkipWithError("the result depends on the threads or on the instruction set");
+    return;
+  }
+  tbb::task_arena(1).execute([&] {
+    for (auto _ : state) {
+      stage.run(data);
+    }
+  });
+  const std::string unit = stage.unit == StageUnit::kPixels ? "pixel" : "hypothesis";
+  state.counters["ns_per_" + unit] = nanoseconds(unitsOf(stage, problem));
+  state.counters["memory_bytes_per_" + unit] = stage.memory_bytes;
+  state.counters["computed_bytes_per_" + unit] = stage.computed_bytes;
+}
+
+void addStageTimes(benchmark::State& state, const StageTimes& sum) {
+  const std::vector<std::pair<const char*, double>> times = {
+      {"rectification_ms", sum.rectification_ms},
+      {"volume_ms", sum.volume_ms},
+      {"aggregation_ms", sum.aggregation_ms},
+      {"sgm_ms", sum.sgm_ms},
+      {"refinement_ms", sum.refinement_ms}};
+  for (const auto& [name, ms] : times) {
+    state.counters[name] = Counter(ms, Counter::kAvgIterations);
+  }
+}
+
+void accumulate(const StageTimes& times, StageTimes& sum) {
+  sum.rectification_ms += times.rectification_ms;
+  sum.volume_ms += times.volume_ms;
+  sum.aggregation_ms += times.aggregation_ms;
+  sum.sgm_ms += times.sgm_ms;
+  sum.refinement_ms += times.refinement_ms;
+}
+
+/// How the whole method is run.
+struct CbmvCase {
+  std::string preset;
+  Problem problem;
+  int threads;
+  std::int64_t simd_target;  ///< 0: the best one
+};
+
+void timeCbmv(benchmark::State& state, const CbmvCase& what, Session& session) {
+  const test::ScopedSimdTarget scope(what.simd_target);
+  const Pair pair = loadPair(what.problem);
+  StageTimes times;
+  const Method method = makeCbmv(what.preset, what.problem, what.threads, times);
+  const std::uint64_t result = checksum(method(pair));  // allocates, too
+  const bool is_right = session.isAsExpected(what.preset + what.problem.name(), result, [&] {
+    StageTimes unused;
+    return checksum(makeCbmv(what.preset, what.problem, what.threads == 1 ? 2 : 1, unused)(pair));
+  });
+  if (!is_right) {
+    state.SkipWithError("the disparities depend on the threads or on the instruction set");
+    return;
+  }
+  StageTimes sum;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(method(pair));
+    accumulate(times, sum);
+  }
+  state.counters["ns_per_hypothesis"] = nanoseconds(what.problem.hypotheses());
+  addStageTimes(state, sum);
+}
+
+void timeOpenCv(benchmark::State& state, const std::string& name, const Problem& problem,
+                Session& session) {
+  const Pair pair = loadPair(problem);
+  const Method method = makeOpenCv(name, problem);
+  cv::setNumThreads(allThreads());
+  const std::uint64_t result = checksum(method(pair));
+  if (!session.isAsExpected("opencv " + name + problem.name(), result,
+                            [&] { return checksum(makeOpenCv(name, problem)(pair)); })) {
+    state.SkipWithError("the disparities of two runs differ");
+    return;
+  }
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(method(pair));
+  }
+  state.counters["ns_per_hypothesis"] = nanoseconds(problem.hypotheses());
+}
+
+void timeCopy(benchmark::State& state, int threads) {
+  const std::vector<std::uint8_t> from(std::size_t{256} << 20, 1);
+  std::vector<std::uint8_t> to(from.size());
+  double bytes = 0;
+  tbb::task_arena(threads).execute([&] {
+    streamCopy(from, to);
+    for (auto _ : state) {
+      bytes += streamCopy(from, to);
+    }
+  });
+  if (to != from) {
+    state.SkipWithError("the copy differs");
+  }
+  state.counters["bytes_per_ns"] = Counter(bytes * 1e-9, Counter::kIsRate);
+}
+
+void timeComputing(benchmark::State& state) {
+  double bytes = 0;
+  std::uint8_t result = 255;
+  for (auto _ : state) {
+    bytes += computeBytes(100000, result);
+    benchmark::DoNotOptimize(result);
+  }
+  state.counters["bytes_per_ns"] = Counter(bytes * 1e-9, Counter::kIsRate);
+}
+
+template <typename Body>
+void add(const std::string& name, Body body) {
+  benchmark::RegisterBenchmark(name.c_str(), body)
+      ->UseRealTime()
+      ->MeasureProcessCPUTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+void addMachine() {
+  add("machine/compute", [](benchmark::State& state) { timeComputing(state); });
+  add("machine/copy/1", [](benchmark::State& state) { timeCopy(state, 1); });
+  add("machine/copy/all", [](benchmark::State& state) { timeCopy(state, allThreads()); });
+}
+
+void addStages(Session& session) {
+  for (const Problem& problem : problems()) {
+    for (const Stage& stage : stages()) {
+      add("stage/" + stage.name + "/" + problem.name(),
+          [&](benchmark::State& state) { timeStage(state, stage, problem, session); });
+    }
+  }
+}
+
+void addCbmv(const std::string& name, const CbmvCase& what, Session& session) {
+  add(name + what.preset + "/" + what.problem.name(),
+      [what, &session](benchmark::State& state) { timeCbmv(state, what, session); });
+}
+
+void addMethods(Session& session) {
+  for (const Problem& problem : problems()) {
+    for (const std::string& preset : presets()) {
+      addCbmv("cbmv/", {preset, problem, allThreads(), 0}, session);
+      for (int threads = 1; threads < 2 * allThreads(); threads *= 2) {
+        const int used = std::min(threads, allThreads());
+        addCbmv("threads_" + std::to_string(used) + "/", {preset, problem, used, 0}, session);
+      }
+      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        addCbmv(std::string("simd_") + hwy::TargetName(target) + "/",
+                {preset, problem, allThreads(), target}, session);
+      }
+    }
+    for (const std::string& name : openCvMethods()) {
+      add("opencv/" + name + "/" + problem.name(),
+          [&](benchmark::State& state) { timeOpenCv(state, name, problem, session); });
+    }
+  }
+}
+
+/// Of a preset on one pair in this process, which does nothing else.
+void printPeakMemory(const std::string& preset, const Problem& problem) {
+  const Pair pair = loadPair(problem);
+  const double before = peakMemoryMib();
+  StageTimes times;
+  makeCbmv(preset, problem, allThreads(), times)(pair);
+  std::printf("{\"peak_mib\": %.0f, \"before_mib\": %.0f}\n", peakMemoryMib(), before);
+}
+
+void runBenchmarks() {
+  Session session;
+  addMachine();
+  addStages(session);
+  addMethods(session);
+  benchmark::AddCustomContext("pair", pairSource());
+  benchmark::AddCustomContext("simd", hwy::TargetName(hwy::SupportedAndGeneratedTargets().front()));
+  benchmark::RunSpecifiedBenchmarks();
+}
+
+}  // namespace
+}  // namespace cbmv::benchmarks
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  CLI::App app{
+      "Times the stages, the whole method and OpenCV's matchers. Takes the flags of Google "
+      "Benchmark, such as --benchmark_filter. CBMV_DATA: folder that holds middlebury_eval3_H or "
+      "middlebury_eval3_Q; without it, pairs are rendered"};
+  std::string preset;
+  std::string size = "1242x375x228";
+  app.add_option("--peak-memory", preset,
+                 "Print the peak memory of this preset instead, in MiB, and that before matching");
+  app.add_option("--size", size, "Pair that it is measured on")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  return cbmv::runTool("cbmv_benchmark", [&] {
+    if (preset.empty()) {
+      cbmv::benchmarks::runBenchmarks();
+    } else {
+      cbmv::benchmarks::printPeakMemory(preset, cbmv::benchmarks::findProblem(size));
+    }
+  });
+}

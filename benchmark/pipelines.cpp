@@ -1,0 +1,81 @@
+#include "pipelines.h"
+
+#include <fstream>
+
+#include <opencv2/calib3d.hpp>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+
+namespace cbmv::benchmarks {
+namespace {
+
+constexpr int kOpenCvStep = 16;
+constexpr int kBlock = 5;
+
+cv::Ptr<cv::StereoMatcher> makeSemiGlobal(int disparities, int mode) {
+  // The penalties that OpenCV's documentation recommends.
+  return cv::StereoSGBM::create(0, disparities, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock,
+                                1, 0, 10, 100, 2, mode);
+}
+
+cv::Ptr<cv::StereoMatcher> createOpenCv(const std::string& name, int disparities) {
+  if (name == "bm") {
+    return cv::StereoBM::create(disparities);
+  }
+  if (name == "sgbm") {
+    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_SGBM);
+  }
+  if (name == "sgbm_3way") {
+    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_SGBM_3WAY);
+  }
+  if (name == "hh") {
+    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_HH);
+  }
+  throw Error("OpenCV has no matcher " + name);
+}
+
+}  // namespace
+
+Method makeCbmv(const std::string& preset, const Problem& problem, int threads, StageTimes& times) {
+  const StereoOptions options = presetOptions(preset, problem, threads);
+  const Pair sample = loadPair(problem);
+  const VerticalOffset offset =
+      estimateVerticalOffset(sample.left, sample.right, options.range, options.rectification);
+  const auto matcher = std::make_shared<StereoMatcher>(presetForest(preset), options);
+  return [matcher, offset, &times](const Pair& pair) {
+    const StereoResult result = matcher->match(pair.left, pair.right, offset);
+    times = result.times;
+    return result.disparity;
+  };
+}
+
+const std::vector<std::string>& openCvMethods() {
+  static const std::vector<std::string> kMethods = {"bm", "sgbm", "sgbm_3way", "hh"};
+  return kMethods;
+}
+
+Method makeOpenCv(const std::string& name, const Problem& problem) {
+  const int disparities = (problem.disparities + kOpenCvStep / 2) / kOpenCvStep * kOpenCvStep;
+  const auto matcher = createOpenCv(name, disparities);
+  return [matcher](const Pair& pair) {
+    cv::Mat disparity;
+    matcher->compute(pair.left, pair.right, disparity);
+    return disparity;
+  };
+}
+
+double peakMemoryMib() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    if (word == "VmHWM:") {
+      double kib = 0;
+      status >> kib;
+      return kib / 1024;
+    }
+  }
+  throw Error("/proc/self/status does not tell the peak memory (VmHWM)");
+}
+
+}  // namespace cbmv::benchmarks

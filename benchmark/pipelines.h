@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "problem.h"
+
+#include "cbmv_stereo/pipeline/stereo_result.h"
+
+namespace cbmv::benchmarks {
+
+/// A whole method: a pair in, a disparity map out.
+using Method = std::function<cv::Mat(const Pair&)>;
+
+/// CBMV by a preset on so many threads; the times of its stages are those of the last frame. The
+/// vertical offset of the pair is estimated beforehand: on a stream, that happens beside the
+/// frames.
+Method makeCbmv(const std::string& preset, const Problem& problem, int threads, StageTimes& times);
+
+/// OpenCV's matchers: bm, sgbm, sgbm_3way, hh.
+const std::vector<std::string>& openCvMethods();
+
+/// One of them, over the problem's disparities rounded to a multiple of 16, as OpenCV wants them.
+Method makeOpenCv(const std::string& name, const Problem& problem);
+
+/// Largest resident memory of this process so far, in MiB.
+double peakMemoryMib();
+
+}  // namespace cbmv::benchmarks

@@ -1,0 +1,324 @@
+#include "stages.h"
+
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "cbmv_stereo/confidence/features.h"
+#include "cbmv_stereo/forest/forest_evaluator.h"
+#include "cbmv_stereo/matching/matcher_set.h"
+#include "cbmv_stereo/matching/padded_image.h"
+#include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "cbmv_stereo/optimization/semi_global_matching.h"
+#include "cbmv_stereo/optimization/support_arms.h"
+#include "cbmv_stereo/optimization/winner_takes_all.h"
+#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/refinement/bilateral_filter.h"
+#include "cbmv_stereo/refinement/interpolation.h"
+#include "cbmv_stereo/refinement/left_right_check.h"
+#include "cbmv_stereo/refinement/median_filter.h"
+#include "cbmv_stereo/refinement/subpixel.h"
+#include "cbmv_stereo/volume/volume_builder.h"
+
+namespace cbmv::benchmarks {
+
+struct StageData {
+  explicit StageData(const Problem& problem);
+
+  int middleRow() const { return pair.left.rows / 2; }
+  int width() const { return pair.left.cols; }
+  void optimize();
+  void refine();
+
+  StereoOptions options;
+  DisparityRange range;
+  Pair pair;
+  std::shared_ptr<const Forest> forest;
+  ForestEvaluator evaluator;
+
+  // Of the whole images.
+  cv::Mat padded_left, padded_right;
+  MatcherSet all_matchers;
+  CensusMatcher census;
+  NccMatcher ncc;
+  ZeroMeanSadMatcher zero_mean_sad;
+  SobelSadMatcher sobel_sad;
+  VolumeBuilder builder;
+  MatchingVolume volume, right_volume;
+  cv::Mat left_arms, right_arms;
+  EdgeImages edges;
+  OptimizedVolume optimized, output;
+  cv::Mat winners, right_winners, labels, disparity;
+  cv::Mat map;  ///< output of the stages that make one
+  VerticalOffset offset;
+
+  // Of the row in the middle.
+  MatcherSet::Scratch scratch;
+  MatcherCosts costs;
+  std::array<RowTerms, kMatcherCount> terms;
+  std::vector<std::uint8_t> codes;      ///< [feature][x] of one disparity
+  std::vector<std::uint8_t> row_costs;  ///< [x] of one disparity
+};
+
+namespace {
+
+float deviation(const cv::Mat& grey) {
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(grey, mean, deviation);
+  return static_cast<float>(deviation[0]);
+}
+
+void computeArms(const StageData& data, const cv::Mat& grey, cv::Mat& arms) {
+  const AggregationOptions& options = data.options.aggregation;
+  computeSupportArms(grey, options.arm_length_px, options.intensity_threshold * deviation(grey),
+                     arms);
+}
+
+void computeTerms(StageData& data) {
+  for (int m = 0; m < kMatcherCount; ++m) {
+    computeRowTerms(data.costs.rows()[m], data.width(), data.range, kMatcherConstants[m],
+                    data.terms[m]);
+  }
+}
+
+/// Calls `use(i, span)` for every disparity of the row.
+template <typename Use>
+void forRowDisparities(const StageData& data, const Use& use) {
+  for (int i = 0; i < data.range.count; ++i) {
+    const ColumnSpan span = matchedColumns(data.width(), data.range.min + i);
+    if (!span.empty()) {
+      use(i, span);
+    }
+  }
+}
+
+void computeAllCodes(StageData& data) {
+  forRowDisparities(data, [&](int i, const ColumnSpan&) {
+    for (int m = 0; m < kMatcherCount; ++m) {
+      CodeLines lines{};
+      MatcherCodeMaps maps{};
+      for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+        lines[f] = data.codes.data() + featureIndex(m, f) * data.width();
+        maps[f] = data.forest->quantizer.maps[featureIndex(m, f)];
+      }
+      computeCodes(data.costs.rows()[m], data.terms[m], data.width(), data.range, i,
+                   kMatcherConstants[m], maps, lines);
+    }
+  });
+}
+
+/// On the same codes for every disparity: the time does not depend on them.
+void evaluateRow(StageData& data) {
+  forRowDisparities(data, [&](int, const ColumnSpan& span) {
+    std::array<const std::uint8_t*, kFeatureCount> codes{};
+    for (int f = 0; f < kFeatureCount; ++f) {
+      codes[f] = data.codes.data() + f * data.width() + span.begin;
+    }
+    data.evaluator.evaluate(codes, span.end - span.begin, data.row_costs.data() + span.begin);
+  });
+}
+
+void addVector(const std::vector<std::uint8_t>& values, Checksum& sum) {
+  sum.add(values.data(), values.size());
+}
+
+template <typename Cost>
+void addRow(const StageData& data, const CostRow<Cost>& costs, Checksum& sum) {
+  forRowDisparities(data, [&](int i, const ColumnSpan& span) {
+    sum.add(costs.line(i) + span.begin, (span.end - span.begin) * sizeof(Cost));
+  });
+}
+
+void addTerms(const StageData& data, Checksum& sum) {
+  for (const RowTerms& terms : data.terms) {
+    for (const PixelTerms* view : {&terms.left, &terms.right}) {
+      sum.add(view->log_sum.data(), view->log_sum.size() * sizeof(float));
+    }
+  }
+}
+
+void addMap(const StageData& data, Checksum& sum) { sum.add(data.map); }
+void addOutput(const StageData& data, Checksum& sum) { sum.add(data.output); }
+
+}  // namespace
+
+StageData::StageData(const Problem& problem)
+    : options(presetOptions("quality", problem, 1)),
+      range(problem.range()),
+      pair(loadPair(problem)),
+      forest(presetForest("quality")),
+      evaluator(*forest) {
+  padImage(pair.left, padded_left);
+  padImage(pair.right, padded_right);
+  all_matchers.prepare(pair.left, pair.right);
+  census.prepare(padded_left, padded_right);
+  ncc.prepare(padded_left, padded_right);
+  zero_mean_sad.prepare(padded_left, padded_right);
+  sobel_sad.prepare(padded_left, padded_right);
+  all_matchers.computeRow(middleRow(), range, allMatchers(), scratch, costs);
+  computeTerms(*this);
+  codes.resize(static_cast<std::size_t>(kFeatureCount) * width());
+  row_costs.resize(width());
+  computeAllCodes(*this);
+  builder.build(pair.left, pair.right, range, *forest, evaluator, volume);
+  right_volume = volume;
+  optimize();
+  refine();
+}
+
+void StageData::optimize() {
+  computeArms(*this, pair.left, left_arms);
+  computeArms(*this, pair.right, right_arms);
+  edges = {pair.left, pair.right, options.sgm.edge_threshold * deviation(pair.left),
+           options.sgm.edge_threshold * deviation(pair.right)};
+  semiGlobalMatching(volume, edges, View::kLeft, range, options.sgm, optimized);
+}
+
+void StageData::refine() {
+  winnerTakesAll(optimized, View::kLeft, range, winners);
+  winnerTakesAllAcross(optimized, range, right_winners);
+  leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
+                 labels);
+  disparity = winners.clone();
+  refineSubpixel(optimized, View::kLeft, range, disparity);
+}
+
+std::shared_ptr<StageData> makeStageData(const Problem& problem) {
+  return std::make_shared<StageData>(problem);
+}
+
+namespace {
+
+using Unit = StageUnit;
+
+std::vector<Stage> rowStages() {
+  return {
+      {"census", Unit::kRowHypotheses, 0, 45,
+       [](StageData& s) { s.census.computeRow(s.middleRow(), s.range, s.costs.census); },
+       [](const StageData& s, Checksum& sum) { addRow(s, s.costs.census, sum); }},
+      {"ncc", Unit::kRowHypotheses, 0, 52,
+       [](StageData& s) { s.ncc.computeRow(s.middleRow(), s.range, s.scratch.ncc, s.costs.ncc); },
+       [](const StageData& s, Checksum& sum) { addRow(s, s.costs.ncc, sum); }},
+      {"zero_mean_sad", Unit::kRowHypotheses, 0, 162,
+       [](StageData& s) {
+         s.zero_mean_sad.computeRow(s.middleRow(), s.range, s.scratch.zero_mean_sad,
+                                    s.costs.zero_mean_sad);
+       },
+       [](const StageData& s, Checksum& sum) { addRow(s, s.costs.zero_mean_sad, sum); }},
+      {"sobel_sad", Unit::kRowHypotheses, 0, 40,
+       [](StageData& s) {
+         s.sobel_sad.computeRow(s.middleRow(), s.range, s.scratch.sobel_sad, s.costs.sobel_sad);
+       },
+       [](const StageData& s, Checksum& sum) { addRow(s, s.costs.sobel_sad, sum); }},
+      {"confidence_terms", Unit::kRowHypotheses, 0, 640, computeTerms, addTerms},
+      {"feature_codes", Unit::kRowHypotheses, 0, 1280, computeAllCodes,
+       [](const StageData& s, Checksum& sum) { addVector(s.codes, sum); }},
+      {"forest", Unit::kRowHypotheses, 0, 1024, evaluateRow,
+       [](const StageData& s, Checksum& sum) { addVector(s.row_costs, sum); }}};
+}
+
+std::vector<Stage> volumeStages() {
+  return {{"rectification_estimate", Unit::kPixels, 2, 0,
+           [](StageData& s) {
+             s.offset = estimateVerticalOffset(s.pair.left, s.pair.right, s.range,
+                                               s.options.rectification);
+           },
+           [](const StageData& s, Checksum& sum) { sum.add(&s.offset.offset_px, sizeof(double)); }},
+          {"matcher_preparation", Unit::kPixels, 112, 0,
+           [](StageData& s) { s.all_matchers.prepare(s.pair.left, s.pair.right); },
+           [](const StageData& s, Checksum& sum) { sum.add(s.padded_left); }},
+          {"volume", Unit::kHypotheses, 1, 3243,
+           [](StageData& s) {
+             s.builder.build(s.pair.left, s.pair.right, s.range, *s.forest, s.evaluator, s.volume);
+           },
+           [](const StageData& s, Checksum& sum) { sum.add(s.volume); }},
+          {"shift_to_right_view", Unit::kHypotheses, 2, 0,
+           [](StageData& s) {
+             s.right_volume = s.volume;  // the shift is in place
+             shiftToRightView(s.range, s.right_volume);
+           },
+           [](const StageData& s, Checksum& sum) { sum.add(s.right_volume); }}};
+}
+
+std::vector<Stage> optimizationStages() {
+  return {{"support_arms", Unit::kPixels, 5, 0,
+           [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
+          {"sgm_first", Unit::kHypotheses, 8, 80,
+           [](StageData& s) {
+             semiGlobalMatching(s.volume, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
+           },
+           addOutput},
+          {"sgm_second", Unit::kHypotheses, 10, 80,
+           [](StageData& s) {
+             semiGlobalMatching(s.optimized, s.edges, View::kLeft, s.range, s.options.sgm,
+                                s.output);
+           },
+           addOutput},
+          {"cbca", Unit::kHypotheses, 4, 0,
+           [](StageData& s) {
+             aggregateCosts(s.optimized, sgmCostBound(s.options.sgm), s.left_arms, s.right_arms,
+                            View::kLeft, s.range, s.output);
+           },
+           addOutput},
+          {"winner_takes_all", Unit::kHypotheses, 2, 4,
+           [](StageData& s) { winnerTakesAll(s.optimized, View::kLeft, s.range, s.map); }, addMap},
+          {"winner_takes_all_across", Unit::kHypotheses, 2, 12,
+           [](StageData& s) { winnerTakesAllAcross(s.optimized, s.range, s.map); }, addMap}};
+}
+
+std::vector<Stage> refinementStages() {
+  return {{"subpixel", Unit::kPixels, 72, 0,
+           [](StageData& s) {
+             s.winners.copyTo(s.map);
+             refineSubpixel(s.optimized, View::kLeft, s.range, s.map);
+           },
+           addMap},
+          {"left_right_check", Unit::kPixels, 9, 0,
+           [](StageData& s) {
+             leftRightCheck(s.winners, s.right_winners, s.range,
+                            s.options.refinement.max_left_right_difference_px, s.map);
+           },
+           addMap},
+          {"fill_occlusions", Unit::kPixels, 13, 0,
+           [](StageData& s) {
+             s.disparity.copyTo(s.map);
+             fillOcclusions(s.labels, s.range, s.map);
+           },
+           addMap},
+          {"fill_mismatches", Unit::kPixels, 13, 0,
+           [](StageData& s) {
+             s.disparity.copyTo(s.map);
+             fillMismatches(s.labels, s.range, s.map);
+           },
+           addMap},
+          {"median", Unit::kPixels, 8, 0,
+           [](StageData& s) {
+             medianFilter(s.disparity, s.range, s.options.refinement.median_size_px, s.map);
+           },
+           addMap},
+          {"bilateral", Unit::kPixels, 8, 0,
+           [](StageData& s) {
+             bilateralFilter(s.disparity, s.range, s.options.refinement.bilateral_sigma_px,
+                             s.options.refinement.bilateral_threshold_px, s.map);
+           },
+           addMap}};
+}
+
+std::vector<Stage> allStages() {
+  std::vector<Stage> all;
+  for (const auto& some : {rowStages(), volumeStages(), optimizationStages(), refinementStages()}) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Stage>& stages() {
+  static const std::vector<Stage> kStages = allStages();
+  return kStages;
+}
+
+}  // namespace cbmv::benchmarks
