@@ -141,7 +141,9 @@ TEST_P(ShippedPreset, IsConsistent) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedPreset,
-                         testing::Values("middlebury.yaml", "middlebury_tuned.yaml", "kitti.yaml"));
+                         testing::Values("quality.yaml", "balanced.yaml", "realtime.yaml",
+                                         "default.yaml", "middlebury.yaml", "kitti.yaml",
+                                         "paper_kitti.yaml"));
 
 }  // namespace
 }  // namespace cbmv::test

@@ -20,7 +20,7 @@ class TuningTest : public testing::Test {
  protected:
   TuningTest() {
     RenderOptions noisy;
-    noisy.noise_sigma = 12;
+    noisy.noise_sigma = 24;
     int seed = 0;
     for (const char* name : {"Teddy", "ArtL", "Piano"}) {
       writeScene(folder_.file("data/") + name, renderScene(96, 48, ++seed, noisy));

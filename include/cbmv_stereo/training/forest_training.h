@@ -21,7 +21,7 @@ enum class ForestKind {
 
 struct TrainingOptions {
   ForestKind kind = ForestKind::kOblivious;
-  long pixels_per_scene = 40000;  ///< at most; each gives up to three samples
+  long pixels_per_scene = 100000;  ///< at most; each gives up to three samples
   /// At most, over all scenes, each of which gets the same share: bounds the memory.
   long max_samples = 3000000;
   std::uint64_t seed = 1;
