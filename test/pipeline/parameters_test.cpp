@@ -142,8 +142,7 @@ TEST_P(ShippedPreset, IsConsistent) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedPreset,
                          testing::Values("quality.yaml", "balanced.yaml", "realtime.yaml",
-                                         "default.yaml", "middlebury.yaml", "kitti.yaml",
-                                         "paper_kitti.yaml"));
+                                         "default.yaml", "kitti.yaml"));
 
 }  // namespace
 }  // namespace cbmv::test
