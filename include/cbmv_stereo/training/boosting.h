@@ -21,7 +21,7 @@ struct BoostingOptions {
   double leaf_unit = 1.0 / 64.0;  ///< log-odds per unit of a leaf; leaves have 8 bits
   /// Whose features trees may ask for; a forest of fewer matchers is faster.
   MatcherSelection matchers = allMatchers();
-  int held_out_every = 10;        ///< each such sample is kept for measuring only
+  int held_out_every = 10;  ///< each such sample is kept for measuring only
 };
 
 /// Called after each tree: trees done, log-loss on the held-out samples (nats a sample).
