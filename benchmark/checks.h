@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <hwy/targets.h>
 #include <opencv2/core.hpp>
@@ -34,8 +35,14 @@ class Checksum {
   std::uint64_t value_ = 1469598103934665603ULL;
 };
 
-/// An instruction set other than the best one, where the machine has one: the slowest that the
-/// kernels are compiled for.
-inline std::int64_t otherSimdTarget() { return hwy::SupportedAndGeneratedTargets().back(); }
+/// The instruction sets that the kernels are compiled for and that the machine has, best first,
+/// without emulated vectors.
+inline std::vector<std::int64_t> realSimdTargets() {
+  std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  if (targets.size() > 1 && targets.back() == HWY_EMU128) {
+    targets.pop_back();
+  }
+  return targets;
+}
 
 }  // namespace cbmv::benchmarks

@@ -28,7 +28,7 @@ namespace {
 using benchmark::Counter;
 
 /// What is needed between benchmarks; only the latest problem's data is kept.
-class Session {
+class Context {
  public:
   StageData& stageData(const Problem& problem) {
     if (!data_ || problem_ != problem.name()) {
@@ -70,7 +70,7 @@ std::uint64_t runStage(const Stage& stage, StageData& data, int threads) {
 
 /// The result by two threads and on another instruction set.
 std::uint64_t otherResult(const Stage& stage, StageData& data) {
-  const test::ScopedSimdTarget scope(otherSimdTarget());
+  const test::ScopedSimdTarget scope(realSimdTargets().back());
   return runStage(stage, data, 2);
 }
 
@@ -86,10 +86,10 @@ Counter nanoseconds(double units) {
 }
 
 void timeStage(benchmark::State& state, const Stage& stage, const Problem& problem,
-               Session& session) {
-  StageData& data = session.stageData(problem);
+               Context& context) {
+  StageData& data = context.stageData(problem);
   const std::uint64_t result = runStage(stage, data, 1);
-  if (!session.isAsExpected(stage.name + problem.name(), result,
+  if (!context.isAsExpected(stage.name + problem.name(), result,
                             [&] { return otherResult(stage, data); })) {
     state.SkipWithError("the result depends on the threads or on the instruction set");
     return;
@@ -133,13 +133,13 @@ struct CbmvCase {
   std::int64_t simd_target;  ///< 0: the best one
 };
 
-void timeCbmv(benchmark::State& state, const CbmvCase& what, Session& session) {
+void timeCbmv(benchmark::State& state, const CbmvCase& what, Context& context) {
   const test::ScopedSimdTarget scope(what.simd_target);
   const Pair pair = loadPair(what.problem);
   StageTimes times;
   const Method method = makeCbmv(what.preset, what.problem, what.threads, times);
   const std::uint64_t result = checksum(method(pair));  // allocates, too
-  const bool is_right = session.isAsExpected(what.preset + what.problem.name(), result, [&] {
+  const bool is_right = context.isAsExpected(what.preset + what.problem.name(), result, [&] {
     StageTimes unused;
     return checksum(makeCbmv(what.preset, what.problem, what.threads == 1 ? 2 : 1, unused)(pair));
   });
@@ -157,12 +157,12 @@ void timeCbmv(benchmark::State& state, const CbmvCase& what, Session& session) {
 }
 
 void timeOpenCv(benchmark::State& state, const std::string& name, const Problem& problem,
-                Session& session) {
+                Context& context) {
   const Pair pair = loadPair(problem);
   const Method method = makeOpenCv(name, problem);
   cv::setNumThreads(allThreads());
   const std::uint64_t result = checksum(method(pair));
-  if (!session.isAsExpected("opencv " + name + problem.name(), result,
+  if (!context.isAsExpected("opencv " + name + problem.name(), result,
                             [&] { return checksum(makeOpenCv(name, problem)(pair)); })) {
     state.SkipWithError("the disparities of two runs differ");
     return;
@@ -213,36 +213,36 @@ void addMachine() {
   add("machine/copy/all", [](benchmark::State& state) { timeCopy(state, allThreads()); });
 }
 
-void addStages(Session& session) {
+void addStages(Context& context) {
   for (const Problem& problem : problems()) {
     for (const Stage& stage : stages()) {
       add("stage/" + stage.name + "/" + problem.name(),
-          [&](benchmark::State& state) { timeStage(state, stage, problem, session); });
+          [&](benchmark::State& state) { timeStage(state, stage, problem, context); });
     }
   }
 }
 
-void addCbmv(const std::string& name, const CbmvCase& what, Session& session) {
+void addCbmv(const std::string& name, const CbmvCase& what, Context& context) {
   add(name + what.preset + "/" + what.problem.name(),
-      [what, &session](benchmark::State& state) { timeCbmv(state, what, session); });
+      [what, &context](benchmark::State& state) { timeCbmv(state, what, context); });
 }
 
-void addMethods(Session& session) {
+void addMethods(Context& context) {
   for (const Problem& problem : problems()) {
     for (const std::string& preset : presets()) {
-      addCbmv("cbmv/", {preset, problem, allThreads(), 0}, session);
+      addCbmv("cbmv/", {preset, problem, allThreads(), 0}, context);
       for (int threads = 1; threads < 2 * allThreads(); threads *= 2) {
         const int used = std::min(threads, allThreads());
-        addCbmv("threads_" + std::to_string(used) + "/", {preset, problem, used, 0}, session);
+        addCbmv("threads_" + std::to_string(used) + "/", {preset, problem, used, 0}, context);
       }
-      for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      for (const std::int64_t target : realSimdTargets()) {
         addCbmv(std::string("simd_") + hwy::TargetName(target) + "/",
-                {preset, problem, allThreads(), target}, session);
+                {preset, problem, allThreads(), target}, context);
       }
     }
     for (const std::string& name : openCvMethods()) {
       add("opencv/" + name + "/" + problem.name(),
-          [&](benchmark::State& state) { timeOpenCv(state, name, problem, session); });
+          [&](benchmark::State& state) { timeOpenCv(state, name, problem, context); });
     }
   }
 }
@@ -257,12 +257,12 @@ void printPeakMemory(const std::string& preset, const Problem& problem) {
 }
 
 void runBenchmarks() {
-  Session session;
+  Context context;
   addMachine();
-  addStages(session);
-  addMethods(session);
+  addStages(context);
+  addMethods(context);
   benchmark::AddCustomContext("pair", pairSource());
-  benchmark::AddCustomContext("simd", hwy::TargetName(hwy::SupportedAndGeneratedTargets().front()));
+  benchmark::AddCustomContext("simd", hwy::TargetName(realSimdTargets().front()));
   benchmark::RunSpecifiedBenchmarks();
 }
 

@@ -1,6 +1,7 @@
 #include "pipelines.h"
 
 #include <fstream>
+#include <memory>
 
 #include <opencv2/calib3d.hpp>
 
