@@ -6,22 +6,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "support/rendered_stereo_scene.h"
 
 namespace cbmv {
 namespace {
-
-StereoScene makeScene() {
-  const RenderedScene rendered = renderScene(160, 96, 3);
-  StereoScene scene;
-  scene.name = "Scene";
-  scene.left = rendered.left;
-  scene.right = rendered.right;
-  scene.truth = rendered.truth;
-  scene.visible = rendered.visible;
-  scene.calibration.disparities = 30;  // no multiple of 16
-  return scene;
-}
 
 /// What OpenCV finds itself, negative where it finds nothing.
 cv::Mat found(const StereoScene& scene) {
@@ -44,7 +32,8 @@ float nearest(const float* row, int width, int x, int step) {
 }
 
 TEST(StereoSgbmSource, FillsWhatOpenCvLeavesOpen) {
-  const StereoScene scene = makeScene();
+  // 30 is no multiple of 16.
+  const StereoScene scene = makeScene(3, {160, 96}, 30);
   const cv::Mat raw = found(scene);
   const SceneMaps maps = stereoSgbmSource()(scene);
   ASSERT_EQ(maps.disparity.size(), raw.size());
