@@ -31,6 +31,29 @@ float nearest(const float* row, int width, int x, int step) {
   return INFINITY;
 }
 
+TEST(OpenCvDisparities, AreTheNextMultipleOfSixteen) {
+  EXPECT_EQ(openCvDisparities(1), 16);
+  EXPECT_EQ(openCvDisparities(16), 16);
+  EXPECT_EQ(openCvDisparities(17), 32);
+  EXPECT_EQ(openCvDisparities(228), 240);
+}
+
+TEST(MakeStereoSgbm, HasTheSettingsOfTheHeader) {
+  const auto matcher = makeStereoSgbm(228, cv::StereoSGBM::MODE_HH);
+  EXPECT_EQ(matcher->getMinDisparity(), 0);
+  EXPECT_EQ(matcher->getNumDisparities(), 240);
+  EXPECT_EQ(matcher->getBlockSize(), 5);
+  EXPECT_EQ(matcher->getP1(), 200);
+  EXPECT_EQ(matcher->getP2(), 800);
+  EXPECT_EQ(matcher->getDisp12MaxDiff(), 1);
+  EXPECT_EQ(matcher->getPreFilterCap(), 63);
+  EXPECT_EQ(matcher->getUniquenessRatio(), 10);
+  EXPECT_EQ(matcher->getSpeckleWindowSize(), 100);
+  EXPECT_EQ(matcher->getSpeckleRange(), 2);
+  EXPECT_EQ(matcher->getMode(), cv::StereoSGBM::MODE_HH);
+  EXPECT_EQ(makeStereoSgbm(30)->getMode(), cv::StereoSGBM::MODE_SGBM);
+}
+
 TEST(StereoSgbmSource, FillsWhatOpenCvLeavesOpen) {
   // 30 is no multiple of 16.
   const StereoScene scene = makeScene(3, {160, 96}, 30);
