@@ -1,13 +1,10 @@
 #include "cbmv_stereo/forest/forest_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
-#include <zlib.h>
-
+#include "../io/crc32_text.h"
 #include "forest_json.h"
 
 #include "cbmv_stereo/confidence/feature_names.h"
@@ -31,14 +28,7 @@ constexpr std::streamoff kLargestFile = 64 << 20;
 constexpr float kLargestThreshold = 1e30F;
 
 /// CRC-32 of the text of everything that changes the forest's answers.
-std::string checksum(const Json& model) {
-  const std::string text = model.dump();
-  const auto crc = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(text.data()),
-                         static_cast<uInt>(text.size()));
-  std::array<char, 9> digits{};
-  std::snprintf(digits.data(), digits.size(), "%08lx", static_cast<unsigned long>(crc));
-  return digits.data();
-}
+std::string checksum(const Json& model) { return crc32Text(model.dump()); }
 
 Json treeToJson(const ObliviousTree& tree) {
   Json levels = Json::array();
