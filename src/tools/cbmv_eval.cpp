@@ -49,6 +49,12 @@ std::string nameOf(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
+/// Other scenes may have the same names, so the fingerprint holds the place too, which a checksum
+/// does not tell.
+std::string identityOf(const cbmv::DataSet& data_set) {
+  return data_set.title() + " " + std::filesystem::weakly_canonical(data_set.folder()).string();
+}
+
 /// By the three folds of Middlebury v3. Training leaves out what --exclude names.
 void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOptions>& options,
                 const cbmv::DataSet& data_set, std::string& settings, Evaluation& evaluation) {
@@ -93,11 +99,11 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   }
   if (arguments.stereo_sgbm) {
     evaluation.source = cbmv::stereoSgbmSource();
-    evaluation.report.fingerprint = cbmv::fingerprintOf(data_set.title() + "StereoSGBM");
+    evaluation.report.fingerprint = cbmv::fingerprintOf(identityOf(data_set) + "StereoSGBM");
     return evaluation;
   }
   const std::vector<cbmv::StereoOptions> options = readPresets(arguments);
-  std::string settings = data_set.title();
+  std::string settings = identityOf(data_set);
   for (const cbmv::StereoOptions& each : options) {
     settings += cbmv::describeOptions(each);
   }
@@ -137,7 +143,8 @@ void resume(const Arguments& arguments, const cbmv::DataSet& data_set, const Sub
   const int found = cbmv::resumeReport(cbmv::readJsonReport(arguments.json), data_set, written,
                                        evaluation.report);
   if (found < 0) {
-    cbmv::printLine(arguments.json + " is of another forest or other settings; starting anew");
+    cbmv::printLine(arguments.json +
+                    " is of another data set, forest or other settings; starting anew");
   }
 }
 
@@ -257,7 +264,7 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       ->excludes(baseline);
   app.add_flag("--resume", arguments.resume,
                "Keep the scenes that FILE of --json, or the report, holds already, of the same "
-               "forest and settings")
+               "data set, forest and settings")
       ->excludes(disparities);
   app.add_option("--submission", arguments.submission,
                  "Folder to write what the benchmark of this data set takes as an upload; scenes "
