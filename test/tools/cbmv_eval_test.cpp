@@ -4,12 +4,12 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/file_content.h"
 #include "support/rendered_data_set.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
@@ -26,12 +26,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
-
-std::string contentOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// How often the pattern occurs.
 long count(const std::string& text, const std::string& pattern) {
