@@ -9,6 +9,9 @@
 namespace cbmv {
 namespace {
 
+constexpr int kMultiple = 16;  // of disparities
+constexpr int kBlockPx = 5;
+constexpr int kArea = kBlockPx * kBlockPx;
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
 /// For each column the nearest known value at it or before it in the direction of the iterators.
@@ -49,13 +52,10 @@ SceneMaps matchScene(const StereoScene& scene) {
 }  // namespace
 
 int openCvDisparities(int disparities) {
-  constexpr int kMultiple = 16;
   return (disparities + kMultiple - 1) / kMultiple * kMultiple;
 }
 
 cv::Ptr<cv::StereoSGBM> makeStereoSgbm(int disparities, int mode) {
-  constexpr int kBlockPx = 5;
-  constexpr int kArea = kBlockPx * kBlockPx;
   return cv::StereoSGBM::create(0, openCvDisparities(disparities), kBlockPx, 8 * kArea, 32 * kArea,
                                 1, 63, 10, 100, 2, mode);
 }

@@ -8,12 +8,14 @@
 
 namespace cbmv {
 
+/// Exit status of a tool that refuses.
+inline constexpr int kBadInput = 2;
+
 /// Parses the command line and runs a tool's body: what main returns. 0 where all is well or only
 /// help was asked for; 2 for a wrong command line, which CLI11 explains, and for an exception of
 /// the body, which becomes one line on stderr that begins with the tool's name.
 template <typename Body>
 int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& body) {
-  constexpr int kBadInput = 2;
   try {
     app.parse(argc, argv);
     body();
