@@ -280,8 +280,7 @@ int main(int argc, char** argv) {
   app.add_option("--peak-memory", preset,
                  "Print the peak memory of this preset instead, in MiB, and that before matching");
   app.add_option("--size", size, "Pair that it is measured on")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  return cbmv::runTool("cbmv_benchmark", [&] {
+  return cbmv::runTool(app, argc, argv, "cbmv_benchmark", [&] {
     if (preset.empty()) {
       cbmv::benchmarks::runBenchmarks();
     } else {

@@ -6,32 +6,24 @@
 #include <opencv2/calib3d.hpp>
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/evaluation/opencv_baseline.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv::benchmarks {
 namespace {
 
-constexpr int kOpenCvStep = 16;
-constexpr int kBlock = 5;
-
-cv::Ptr<cv::StereoMatcher> makeSemiGlobal(int disparities, int mode) {
-  // The penalties that OpenCV's documentation recommends.
-  return cv::StereoSGBM::create(0, disparities, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock,
-                                1, 0, 10, 100, 2, mode);
-}
-
 cv::Ptr<cv::StereoMatcher> createOpenCv(const std::string& name, int disparities) {
   if (name == "bm") {
-    return cv::StereoBM::create(disparities);
+    return cv::StereoBM::create(openCvDisparities(disparities));
   }
   if (name == "sgbm") {
-    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_SGBM);
+    return makeStereoSgbm(disparities, cv::StereoSGBM::MODE_SGBM);
   }
   if (name == "sgbm_3way") {
-    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_SGBM_3WAY);
+    return makeStereoSgbm(disparities, cv::StereoSGBM::MODE_SGBM_3WAY);
   }
   if (name == "hh") {
-    return makeSemiGlobal(disparities, cv::StereoSGBM::MODE_HH);
+    return makeStereoSgbm(disparities, cv::StereoSGBM::MODE_HH);
   }
   throw Error("OpenCV has no matcher " + name);
 }
@@ -57,8 +49,7 @@ const std::vector<std::string>& openCvMethods() {
 }
 
 Method makeOpenCv(const std::string& name, const Problem& problem) {
-  const int disparities = (problem.disparities + kOpenCvStep / 2) / kOpenCvStep * kOpenCvStep;
-  const auto matcher = createOpenCv(name, disparities);
+  const auto matcher = createOpenCv(name, problem.disparities);
   return [matcher](const Pair& pair) {
     cv::Mat disparity;
     matcher->compute(pair.left, pair.right, disparity);

@@ -23,7 +23,8 @@ Method makeCbmv(const std::string& preset, const Problem& problem, int threads, 
 /// OpenCV's matchers: bm, sgbm, sgbm_3way, hh.
 const std::vector<std::string>& openCvMethods();
 
-/// One of them, over the problem's disparities rounded to a multiple of 16, as OpenCV wants them.
+/// One of them, over the problem's disparities rounded up to a multiple of 16, as OpenCV wants
+/// them: StereoBM with its defaults, the others as evaluation/opencv_baseline.h has them.
 Method makeOpenCv(const std::string& name, const Problem& problem);
 
 /// Largest resident memory of this process so far, in MiB.

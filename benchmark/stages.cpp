@@ -10,6 +10,7 @@
 #include "cbmv_stereo/matching/matcher_set.h"
 #include "cbmv_stereo/matching/padded_image.h"
 #include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "cbmv_stereo/optimization/grey_deviation.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/support_arms.h"
 #include "cbmv_stereo/optimization/winner_takes_all.h"
@@ -63,16 +64,9 @@ struct StageData {
 
 namespace {
 
-float deviation(const cv::Mat& grey) {
-  cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(grey, mean, deviation);
-  return static_cast<float>(deviation[0]);
-}
-
 void computeArms(const StageData& data, const cv::Mat& grey, cv::Mat& arms) {
   const AggregationOptions& options = data.options.aggregation;
-  computeSupportArms(grey, options.arm_length_px, options.intensity_threshold * deviation(grey),
+  computeSupportArms(grey, options.arm_length_px, options.intensity_threshold * greyDeviation(grey),
                      arms);
 }
 
@@ -171,8 +165,8 @@ StageData::StageData(const Problem& problem)
 void StageData::optimize() {
   computeArms(*this, pair.left, left_arms);
   computeArms(*this, pair.right, right_arms);
-  edges = {pair.left, pair.right, options.sgm.edge_threshold * deviation(pair.left),
-           options.sgm.edge_threshold * deviation(pair.right)};
+  edges = {pair.left, pair.right, options.sgm.edge_threshold * greyDeviation(pair.left),
+           options.sgm.edge_threshold * greyDeviation(pair.right)};
   semiGlobalMatching(volume, edges, View::kLeft, range, options.sgm, optimized);
 }
 

@@ -32,6 +32,8 @@ foreach(test_source ${tool_test_sources})
   add_dependencies(${test_name} ${CBMV_TOOLS})
   target_compile_definitions(${test_name} PRIVATE CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>")
 endforeach()
+# What the Python scripts say of wrong arguments.
+add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
 
 if(CBMV_BUILD_ROS AND CATKIN_ENABLE_TESTING)
   include(cmake/ros_tests.cmake)

@@ -129,14 +129,9 @@ DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
   requireMap(truth, "truth", CV_32FC1, disparity.size());
   requireMap(mask, "mask", CV_8UC1, disparity.size());
   ErrorSums sums;
-  for (int y = 0; y < truth.rows; ++y) {
-    for (int x = 0; x < truth.cols; ++x) {
-      const float expected = truth.at<float>(y, x);
-      if (mask.at<uchar>(y, x) == 255 && std::isfinite(expected)) {
-        sums.add(disparity.at<float>(y, x), expected, invalid);
-      }
-    }
-  }
+  forCountedPixels(truth, mask, [&](int y, int x) {
+    sums.add(disparity.at<float>(y, x), truth.at<float>(y, x), invalid);
+  });
   DisparityError error;
   error.bad_05 = percent(sums.bad[0], sums.pixels);
   error.bad_1 = percent(sums.bad[1], sums.pixels);

@@ -8,9 +8,9 @@
 #include <iterator>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "../io/binary_file.h"
+#include "../io/crc32_text.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/disparity_error.h"
@@ -249,13 +249,7 @@ bool EvaluationReport::isWeighted() const {
                      [](const SceneScore& score) { return score.weight != 1.0; });
 }
 
-std::string fingerprintOf(const std::string& text) {
-  const auto crc =
-      crc32_z(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(text.data()), text.size());
-  std::array<char, 9> digits{};
-  std::snprintf(digits.data(), digits.size(), "%08lx", static_cast<unsigned long>(crc));
-  return digits.data();
-}
+std::string fingerprintOf(const std::string& text) { return crc32Text(text); }
 
 void writeJsonReport(const EvaluationReport& report, const std::string& path) {
   Json json;

@@ -22,4 +22,16 @@ inline bool hasDisparity(float disparity, float invalid) {
   return disparity != invalid && std::isfinite(disparity);
 }
 
+/// Calls `use(y, x)` for every pixel that counts: the mask is 255 and the truth known. By rows.
+template <typename Use>
+void forCountedPixels(const cv::Mat& truth, const cv::Mat& mask, const Use& use) {
+  for (int y = 0; y < truth.rows; ++y) {
+    for (int x = 0; x < truth.cols; ++x) {
+      if (mask.at<uchar>(y, x) == 255 && std::isfinite(truth.at<float>(y, x))) {
+        use(y, x);
+      }
+    }
+  }
+}
+
 }  // namespace cbmv

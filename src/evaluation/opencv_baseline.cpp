@@ -6,20 +6,13 @@
 #include <limits>
 #include <vector>
 
-#include <opencv2/calib3d.hpp>
-
 namespace cbmv {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::infinity();
+constexpr int kMultiple = 16;  // of disparities
 constexpr int kBlockPx = 5;
-
-cv::Ptr<cv::StereoSGBM> makeMatcher(int disparities) {
-  constexpr int kMultiple = 16;
-  const int rounded = (disparities + kMultiple - 1) / kMultiple * kMultiple;
-  constexpr int kArea = kBlockPx * kBlockPx;
-  return cv::StereoSGBM::create(0, rounded, kBlockPx, 8 * kArea, 32 * kArea, 1, 63, 10, 100, 2);
-}
+constexpr int kArea = kBlockPx * kBlockPx;
+constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
 /// For each column the nearest known value at it or before it in the direction of the iterators.
 template <typename In, typename Out>
@@ -47,7 +40,7 @@ void fillHoles(cv::Mat& disparity) {
 SceneMaps matchScene(const StereoScene& scene) {
   const auto start = std::chrono::steady_clock::now();
   cv::Mat sixteenths;
-  makeMatcher(scene.calibration.disparities)->compute(scene.left, scene.right, sixteenths);
+  makeStereoSgbm(scene.calibration.disparities)->compute(scene.left, scene.right, sixteenths);
   SceneMaps maps;
   sixteenths.convertTo(maps.disparity, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE);
   maps.disparity.setTo(kUnknown, sixteenths < 0);
@@ -57,6 +50,15 @@ SceneMaps matchScene(const StereoScene& scene) {
 }
 
 }  // namespace
+
+int openCvDisparities(int disparities) {
+  return (disparities + kMultiple - 1) / kMultiple * kMultiple;
+}
+
+cv::Ptr<cv::StereoSGBM> makeStereoSgbm(int disparities, int mode) {
+  return cv::StereoSGBM::create(0, openCvDisparities(disparities), kBlockPx, 8 * kArea, 32 * kArea,
+                                1, 63, 10, 100, 2, mode);
+}
 
 DisparitySource stereoSgbmSource() { return matchScene; }
 

@@ -22,18 +22,12 @@ struct Pixel {
 std::vector<Pixel> countedPixels(const cv::Mat& disparity, const cv::Mat& confidence,
                                  const cv::Mat& truth, const cv::Mat& mask, float invalid) {
   std::vector<Pixel> pixels;
-  for (int y = 0; y < truth.rows; ++y) {
-    for (int x = 0; x < truth.cols; ++x) {
-      const float expected = truth.at<float>(y, x);
-      if (mask.at<uchar>(y, x) != 255 || !std::isfinite(expected)) {
-        continue;
-      }
-      const float d = disparity.at<float>(y, x);
-      const float c = confidence.at<float>(y, x);
-      pixels.push_back({std::isnan(c) ? -std::numeric_limits<float>::infinity() : c,
-                        !hasDisparity(d, invalid) || std::abs(d - expected) > kBadPx});
-    }
-  }
+  forCountedPixels(truth, mask, [&](int y, int x) {
+    const float d = disparity.at<float>(y, x);
+    const float c = confidence.at<float>(y, x);
+    pixels.push_back({std::isnan(c) ? -std::numeric_limits<float>::infinity() : c,
+                      !hasDisparity(d, invalid) || std::abs(d - truth.at<float>(y, x)) > kBadPx});
+  });
   return pixels;
 }
 

@@ -1,13 +1,10 @@
 #include "cbmv_stereo/forest/forest_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
-#include <zlib.h>
-
+#include "../io/crc32_text.h"
 #include "forest_json.h"
 
 #include "cbmv_stereo/confidence/feature_names.h"
@@ -31,14 +28,7 @@ constexpr std::streamoff kLargestFile = 64 << 20;
 constexpr float kLargestThreshold = 1e30F;
 
 /// CRC-32 of the text of everything that changes the forest's answers.
-std::string checksum(const Json& model) {
-  const std::string text = model.dump();
-  const auto crc = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(text.data()),
-                         static_cast<uInt>(text.size()));
-  std::array<char, 9> digits{};
-  std::snprintf(digits.data(), digits.size(), "%08lx", static_cast<unsigned long>(crc));
-  return digits.data();
-}
+std::string checksum(const Json& model) { return crc32Text(model.dump()); }
 
 Json treeToJson(const ObliviousTree& tree) {
   Json levels = Json::array();
@@ -244,7 +234,9 @@ Forest forestFromJson(const Json& json) {
   return forest;
 }
 
-void check(bool good, const std::string& fault) {
+/// `fault` is a text; where all is good, no string is made of it.
+template <typename Text>
+void check(bool good, const Text& fault) {
   if (!good) {
     throw Fault(fault);
   }
@@ -266,33 +258,29 @@ void checkTree(const ObliviousTree& tree, const std::string& name) {
 
 void checkNode(const DecisionTree& tree, std::uint32_t n) {
   const DecisionTree::Node& node = tree.nodes[n];
-  const auto fail_if = [n](bool bad, const char* fault) {
-    if (bad) {
-      throw Fault("node " + std::to_string(n) + " " + fault);
-    }
-  };
-  fail_if(!(std::abs(node.threshold) < kLargestThreshold),
-          "has a threshold or value that is not a number of reasonable size");
-  fail_if(node.feature >= kFeatureCount, "asks for a feature that there is not");
+  check(std::abs(node.threshold) < kLargestThreshold,
+        "has a threshold or value that is not a number of reasonable size");
+  check(node.feature < kFeatureCount, "asks for a feature that there is not");
+  const bool leaf = node.next[0] == n && node.next[1] == n;
   for (const std::uint32_t next : node.next) {
-    const bool leaf = node.next[0] == n && node.next[1] == n;
-    fail_if(!leaf && (next <= n || next >= tree.nodes.size()),
-            "goes on with a node that does not lie behind it");
+    check(leaf || (next > n && next < tree.nodes.size()),
+          "goes on with a node that does not lie behind it");
   }
 }
 
 void checkTree(const DecisionTree& tree, const std::string& name) {
   check(!tree.nodes.empty(), name + " has no nodes");
   std::vector<int> depths(tree.nodes.size(), 0);
+  std::uint32_t n = 0;
   try {
-    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+    for (; n < tree.nodes.size(); ++n) {
       checkNode(tree, n);
       for (const std::uint32_t next : tree.nodes[n].next) {
         depths[next] = std::max(depths[next], depths[n] + (next == n ? 0 : 1));
       }
     }
   } catch (const Fault& fault) {
-    throw Fault(name + ": " + fault.what());
+    throw Fault(name + ": node " + std::to_string(n) + " " + fault.what());
   }
   check(*std::max_element(depths.begin(), depths.end()) <= DecisionTree::kMaxDepth,
         name + " has more than " + std::to_string(DecisionTree::kMaxDepth) + " levels");

@@ -4,9 +4,7 @@
 #include <filesystem>
 #include <limits>
 
-#include <opencv2/imgcodecs.hpp>
-
-#include "binary_file.h"
+#include "image_decoding.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/io/pfm.h"
@@ -18,17 +16,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Without OpenCV's conversions of colours and depths.
 cv::Mat readIntegers(const std::string& path) {
-  openForReading(path);  // for its errors: OpenCV does not say why it fails
-  cv::Mat image;
-  try {
-    image = cv::imread(path, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    image.release();
-  }
-  if (image.type() != CV_8UC1 && image.type() != CV_16UC1) {
-    image.release();
-  }
-  if (image.empty()) {
+  cv::Mat image = decodeImage(path, cv::IMREAD_UNCHANGED);
+  if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_16UC1)) {
     throw Error("Cannot read " + path + ": disparities must be a .pfm file or a grey image of 8 " +
                 "or 16 bits that OpenCV can decode.");
   }

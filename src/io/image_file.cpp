@@ -3,20 +3,14 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "binary_file.h"
+#include "image_decoding.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
 
 cv::Mat readColorImage(const std::string& path) {
-  openForReading(path);  // for its errors: OpenCV does not say why it fails
-  cv::Mat image;
-  try {
-    image = cv::imread(path, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    image.release();
-  }
+  cv::Mat image = decodeImage(path, cv::IMREAD_COLOR);
   if (image.empty()) {
     throw Error("Cannot read " + path + ": it is not an image, or damaged, or of a format that " +
                 "OpenCV cannot decode.");

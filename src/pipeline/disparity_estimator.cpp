@@ -9,6 +9,7 @@
 #include "stopwatch.h"
 
 #include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "cbmv_stereo/optimization/grey_deviation.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/support_arms.h"
 #include "cbmv_stereo/optimization/winner_takes_all.h"
@@ -20,13 +21,6 @@
 
 namespace cbmv {
 namespace {
-
-float standardDeviation(const cv::Mat& grey) {
-  cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(grey, mean, deviation);
-  return static_cast<float>(deviation[0]);
-}
 
 void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
   costs.resize(volume.height(), volume.width(), volume.disparities());
@@ -106,7 +100,7 @@ class DisparityEstimator::Impl {
 
   void prepare(const cv::Mat& grey, PreparedImage& image) const {
     image.grey = grey;
-    image.deviation = standardDeviation(grey);
+    image.deviation = greyDeviation(grey);
     const AggregationOptions& aggregation = options_.aggregation;
     if (aggregation.iterations_before + aggregation.iterations_after > 0) {
       computeSupportArms(grey, aggregation.arm_length_px,

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "vector_rows.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -24,7 +23,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, 16>;
+using Floats = hn::CappedTag<float, kLongestVector>;
 
 /// Means over the windows of a row of pixels; `centres` and `out` are whole vectors long. Sums up
 /// differences to the centre, because they are small and float loses little of them. Invalid
@@ -64,14 +63,12 @@ namespace {
 
 HWY_EXPORT(filterRow);
 
-/// Elements of the longest vector.
-constexpr int kLine = 16;
-
 /// The disparities with a border of `radius` pixels, on the right of a vector more, far away from
 /// every threshold at the border and at invalid pixels, so that no window needs a test for either.
 cv::Mat padded(const cv::Mat& disparity, float invalid, int radius) {
   const float far = std::numeric_limits<float>::infinity();
-  cv::Mat result(disparity.rows + 2 * radius, disparity.cols + 2 * radius + kLine, CV_32FC1, far);
+  cv::Mat result(disparity.rows + 2 * radius, disparity.cols + 2 * radius + kLongestVector,
+                 CV_32FC1, far);
   for (int y = 0; y < disparity.rows; ++y) {
     const auto* in = disparity.ptr<float>(y);
     std::replace_copy(in, in + disparity.cols, result.ptr<float>(y + radius) + radius, invalid,
@@ -114,14 +111,10 @@ void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, floa
   const int radius = static_cast<int>(std::ceil(3 * sigma_px));
   const std::vector<float> weights = gaussian(sigma_px, radius);
   const cv::Mat centres = padded(disparity, range.invalid(), radius);
-  tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const auto& rows) {
-    std::vector<float> means(disparity.cols + kLine);
-    for (int y = rows.begin(); y != rows.end(); ++y) {
-      HWY_DYNAMIC_DISPATCH(filterRow)
-      (centres.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(centres.step1()),
-       disparity.cols, weights.data(), radius, threshold_px, range.invalid(), means.data());
-      std::copy_n(means.data(), disparity.cols, filtered.ptr<float>(y));
-    }
+  writeVectorRows(filtered, [&](int y, float* means) {
+    HWY_DYNAMIC_DISPATCH(filterRow)
+    (centres.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(centres.step1()),
+     disparity.cols, weights.data(), radius, threshold_px, range.invalid(), means);
   });
 }
 

@@ -1,12 +1,9 @@
 #include "cbmv_stereo/refinement/median_filter.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <string>
-#include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "vector_rows.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -22,7 +19,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, 16>;
+using Floats = hn::CappedTag<float, kLongestVector>;
 
 HWY_INLINE void sortPair(float* low, float* high) {
   const auto a = hn::Load(Floats(), low);
@@ -104,9 +101,6 @@ namespace {
 
 HWY_EXPORT(filterRow);
 
-/// Elements of the longest vector.
-constexpr int kLine = 16;
-
 }  // namespace
 
 void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int size_px,
@@ -118,19 +112,15 @@ void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int siz
   }
   const int radius = size_px / 2;
   cv::Mat padded;
-  cv::copyMakeBorder(disparity, padded, radius, radius, radius, radius + kLine, cv::BORDER_CONSTANT,
-                     range.invalid());
+  cv::copyMakeBorder(disparity, padded, radius, radius, radius, radius + kLongestVector,
+                     cv::BORDER_CONSTANT, range.invalid());
   filtered.create(disparity.size(), CV_32FC1);
-  tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const auto& rows) {
+  writeVectorRows(filtered, [&](int y, float* medians) {
     const auto values =
-        hwy::AllocateAligned<float>(static_cast<std::size_t>(size_px) * size_px * kLine);
-    std::vector<float> medians(disparity.cols + kLine);
-    for (int y = rows.begin(); y != rows.end(); ++y) {
-      HWY_DYNAMIC_DISPATCH(filterRow)
-      (padded.ptr<float>(y), static_cast<std::ptrdiff_t>(padded.step1()), disparity.cols, size_px,
-       range.invalid(), values.get(), medians.data());
-      std::copy_n(medians.data(), disparity.cols, filtered.ptr<float>(y));
-    }
+        hwy::AllocateAligned<float>(static_cast<std::size_t>(size_px) * size_px * kLongestVector);
+    HWY_DYNAMIC_DISPATCH(filterRow)
+    (padded.ptr<float>(y), static_cast<std::ptrdiff_t>(padded.step1()), disparity.cols, size_px,
+     range.invalid(), values.get(), medians);
   });
 }
 

@@ -45,13 +45,14 @@ struct Evaluation {
   cbmv::EvaluationReport report;
 };
 
-void printLine(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
-
 std::string nameOf(const std::string& path) {
   return std::filesystem::path(path).filename().string();
+}
+
+/// Other scenes may have the same names, so the fingerprint holds the place too, which a checksum
+/// does not tell.
+std::string identityOf(const cbmv::DataSet& data_set) {
+  return data_set.title() + " " + std::filesystem::weakly_canonical(data_set.folder()).string();
 }
 
 /// By the three folds of Middlebury v3. Training leaves out what --exclude names.
@@ -69,7 +70,7 @@ void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOption
   for (const cbmv::SceneReference& scene : pool) {
     settings += ", " + scene.scene;
   }
-  evaluation.source = cbmv::foldSource(pool, training, options, printLine);
+  evaluation.source = cbmv::foldSource(pool, training, options, cbmv::printLine);
 }
 
 /// Of each preset; without one, the defaults.
@@ -98,11 +99,11 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   }
   if (arguments.stereo_sgbm) {
     evaluation.source = cbmv::stereoSgbmSource();
-    evaluation.report.fingerprint = cbmv::fingerprintOf(data_set.title() + "StereoSGBM");
+    evaluation.report.fingerprint = cbmv::fingerprintOf(identityOf(data_set) + "StereoSGBM");
     return evaluation;
   }
   const std::vector<cbmv::StereoOptions> options = readPresets(arguments);
-  std::string settings = data_set.title();
+  std::string settings = identityOf(data_set);
   for (const cbmv::StereoOptions& each : options) {
     settings += cbmv::describeOptions(each);
   }
@@ -142,7 +143,8 @@ void resume(const Arguments& arguments, const cbmv::DataSet& data_set, const Sub
   const int found = cbmv::resumeReport(cbmv::readJsonReport(arguments.json), data_set, written,
                                        evaluation.report);
   if (found < 0) {
-    printLine(arguments.json + " is of another forest or other settings; starting anew");
+    cbmv::printLine(arguments.json +
+                    " is of another data set, forest or other settings; starting anew");
   }
 }
 
@@ -173,7 +175,7 @@ void complete(Arguments& arguments) {
 
 cbmv::EvaluationEvents makeEvents(const Arguments& arguments, const Submission& submission) {
   cbmv::EvaluationEvents events;
-  events.progress = printLine;
+  events.progress = cbmv::printLine;
   events.failure = [](const std::string& line) {
     std::fprintf(stderr, "cbmv_eval: %s\n", line.c_str());
   };
@@ -196,7 +198,7 @@ void writePage(const Arguments& arguments) {
   const std::string page = (std::filesystem::path(arguments.report) / "index.html").string();
   cbmv::writeEvaluationPage((tools / "cbmv_evaluation_report").string(), arguments.json,
                             arguments.maps, page);
-  printLine("wrote " + page);
+  cbmv::printLine("wrote " + page);
 }
 
 /// Tells the results; the last thing to do.
@@ -205,15 +207,15 @@ void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) 
     std::printf("\n%s", cbmv::formatReport(report).c_str());
   }
   if (!report.unscored.empty()) {
-    printLine(
+    cbmv::printLine(
         "without ground truth, so without a score: " + std::to_string(report.unscored.size()) +
         " of " + std::to_string(report.scenes.size() + report.unscored.size()) + " scenes");
   }
   if (!arguments.submission.empty()) {
-    printLine("wrote the upload " + arguments.submission);
+    cbmv::printLine("wrote the upload " + arguments.submission);
   }
   if (!arguments.report.empty() && report.scenes.empty()) {
-    printLine("no page is made, as no scene has a score");
+    cbmv::printLine("no page is made, as no scene has a score");
   } else if (!arguments.report.empty()) {
     writePage(arguments);
   }
@@ -262,7 +264,7 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       ->excludes(baseline);
   app.add_flag("--resume", arguments.resume,
                "Keep the scenes that FILE of --json, or the report, holds already, of the same "
-               "forest and settings")
+               "data set, forest and settings")
       ->excludes(disparities);
   app.add_option("--submission", arguments.submission,
                  "Folder to write what the benchmark of this data set takes as an upload; scenes "
@@ -296,10 +298,5 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   addOutputOptions(app, arguments);
   cbmv::addTrainingOptions(app, arguments.training);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return cbmv::runTool("cbmv_eval", [&] { evaluate(arguments); });
+  return cbmv::runTool(app, argc, argv, "cbmv_eval", [&] { evaluate(arguments); });
 }

@@ -73,10 +73,5 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--output", arguments.output, "Folder to write to")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return cbmv::runTool("cbmv_match", [&] { match(arguments); });
+  return cbmv::runTool(app, argc, argv, "cbmv_match", [&] { match(arguments); });
 }

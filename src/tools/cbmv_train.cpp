@@ -30,13 +30,7 @@ int main(int argc, char** argv) {
                  "CSV file to write the samples to that the forest is trained on: the values of "
                  "the features and the label, 1 correct, 0 wrong");
   cbmv::addTrainingOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-
-  return cbmv::runTool("cbmv_train", [&] {
+  return cbmv::runTool(app, argc, argv, "cbmv_train", [&] {
     cbmv::ProgressBar bar(stdout, cbmv::isTerminal(stdout));
     const auto progress = [&bar](const cbmv::TrainingStep& step) {
       bar.show(step.phase, step.done, step.total, step.line);

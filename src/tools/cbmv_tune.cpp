@@ -28,11 +28,6 @@ struct Arguments {
   cbmv::TuningRequest request;
 };
 
-void printLine(const std::string& line) {
-  std::printf("%s\n", line.c_str());
-  std::fflush(stdout);
-}
-
 std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
     const std::vector<std::string>& paths) {
   std::vector<std::shared_ptr<const cbmv::Forest>> forests;
@@ -62,7 +57,7 @@ void tune(Arguments& arguments) {
   request.search.seed = arguments.training.seed;
   arguments.training.rectification = request.start.rectification;
   cbmv::TuningEvents events;
-  events.progress = printLine;
+  events.progress = cbmv::printLine;
   events.improved = [&](const cbmv::TuningReport& report) {
     cbmv::writePresets(report, arguments.output);
   };
@@ -70,7 +65,7 @@ void tune(Arguments& arguments) {
       arguments.folds > 0
           ? cbmv::trainFolds(request.scenes,
                              cbmv::chooseScenes(data_sets, {{}, arguments.filter.excluded}),
-                             arguments.training, printLine)
+                             arguments.training, cbmv::printLine)
           : readForests(arguments.forests);
   const cbmv::TuningReport report = cbmv::tune(request, events);
   std::printf("\n%swrote %s\n", cbmv::describeReport(report).c_str(), arguments.output.c_str());
@@ -139,10 +134,5 @@ int main(int argc, char** argv) {
                  "Preset to write; replaced whenever a better one is found")
       ->required();
   cbmv::addTrainingOptions(app, arguments.training);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return cbmv::runTool("cbmv_tune", [&] { tune(arguments); });
+  return cbmv::runTool(app, argc, argv, "cbmv_tune", [&] { tune(arguments); });
 }

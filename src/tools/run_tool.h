@@ -1,20 +1,37 @@
 #pragma once
 
+#include <cstdio>
 #include <exception>
-#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
 
 namespace cbmv {
 
-/// Runs a tool's body: prints an exception as one line on stderr and returns exit status 2.
+/// Exit status of a tool that refuses.
+inline constexpr int kBadInput = 2;
+
+/// Parses the command line and runs a tool's body: what main returns. 0 where all is well or only
+/// help was asked for; 2 for a wrong command line, which CLI11 explains, and for an exception of
+/// the body, which becomes one line on stderr that begins with the tool's name.
 template <typename Body>
-int runTool(const char* name, Body body) {
+int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& body) {
   try {
+    app.parse(argc, argv);
     body();
     return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << name << ": " << error.what() << std::endl;
-    return 2;
+    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return kBadInput;
   }
+}
+
+/// To stdout at once, also where it is no terminal.
+inline void printLine(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
 }
 
 }  // namespace cbmv

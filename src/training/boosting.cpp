@@ -210,9 +210,7 @@ void checkOptions(const Samples& samples, const BoostingOptions& options) {
   requireForTraining(options.leaf_unit > 0 && options.regularization >= 0,
                      "leaf unit and regularization must be positive");
   requireBothClasses(samples);
-  requireForTraining(
-      options.trees >= 1 && options.trees <= Forest::kMaxTrees,
-      "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
+  requireTreeCount(options.trees);
   requireForTraining(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
                      "the depth must be in [1, " + std::to_string(Forest::kMaxDepth) + "]");
   requireForTraining(options.learning_rate > 0 && options.learning_rate <= 1,

@@ -125,9 +125,7 @@ class RandomForestGrower {
 };
 
 void checkOptions(const Samples& samples, const RandomForestOptions& options) {
-  requireForTraining(
-      options.trees >= 1 && options.trees <= Forest::kMaxTrees,
-      "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
+  requireTreeCount(options.trees);
   requireForTraining(options.samples_per_leaf >= 1, "a leaf must have at least one sample");
   requireForTraining(
       options.features_per_split >= 1 && options.features_per_split <= kFeatureCount,

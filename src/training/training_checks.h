@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/training/sampling.h"
 
 namespace cbmv {
@@ -17,6 +18,12 @@ inline void requireForTraining(bool good, const std::string& sentence) {
   if (!good) {
     throw Error("training: " + sentence);
   }
+}
+
+inline void requireTreeCount(int trees) {
+  requireForTraining(
+      trees >= 1 && trees <= Forest::kMaxTrees,
+      "the number of trees must be in [1, " + std::to_string(Forest::kMaxTrees) + "]");
 }
 
 /// Of the samples that are trained on, and some that are not.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/temporary_folder.h"
 
 namespace cbmv {
@@ -40,12 +40,6 @@ EvaluationReport makeReport() {
   report.insert(makeScore("Vintage", 4.0, 0.5));
   report.insert(makeScore("Teddy", 1.0, 1.0));
   return report;
-}
-
-std::string contentOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 void expectSame(const MetricValues& a, const MetricValues& b) {

@@ -6,22 +6,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "support/rendered_stereo_scene.h"
 
 namespace cbmv {
 namespace {
-
-StereoScene makeScene() {
-  const RenderedScene rendered = renderScene(160, 96, 3);
-  StereoScene scene;
-  scene.name = "Scene";
-  scene.left = rendered.left;
-  scene.right = rendered.right;
-  scene.truth = rendered.truth;
-  scene.visible = rendered.visible;
-  scene.calibration.disparities = 30;  // no multiple of 16
-  return scene;
-}
 
 /// What OpenCV finds itself, negative where it finds nothing.
 cv::Mat found(const StereoScene& scene) {
@@ -43,8 +31,32 @@ float nearest(const float* row, int width, int x, int step) {
   return INFINITY;
 }
 
+TEST(OpenCvDisparities, AreTheNextMultipleOfSixteen) {
+  EXPECT_EQ(openCvDisparities(1), 16);
+  EXPECT_EQ(openCvDisparities(16), 16);
+  EXPECT_EQ(openCvDisparities(17), 32);
+  EXPECT_EQ(openCvDisparities(228), 240);
+}
+
+TEST(MakeStereoSgbm, HasTheSettingsOfTheHeader) {
+  const auto matcher = makeStereoSgbm(228, cv::StereoSGBM::MODE_HH);
+  EXPECT_EQ(matcher->getMinDisparity(), 0);
+  EXPECT_EQ(matcher->getNumDisparities(), 240);
+  EXPECT_EQ(matcher->getBlockSize(), 5);
+  EXPECT_EQ(matcher->getP1(), 200);
+  EXPECT_EQ(matcher->getP2(), 800);
+  EXPECT_EQ(matcher->getDisp12MaxDiff(), 1);
+  EXPECT_EQ(matcher->getPreFilterCap(), 63);
+  EXPECT_EQ(matcher->getUniquenessRatio(), 10);
+  EXPECT_EQ(matcher->getSpeckleWindowSize(), 100);
+  EXPECT_EQ(matcher->getSpeckleRange(), 2);
+  EXPECT_EQ(matcher->getMode(), cv::StereoSGBM::MODE_HH);
+  EXPECT_EQ(makeStereoSgbm(30)->getMode(), cv::StereoSGBM::MODE_SGBM);
+}
+
 TEST(StereoSgbmSource, FillsWhatOpenCvLeavesOpen) {
-  const StereoScene scene = makeScene();
+  // 30 is no multiple of 16.
+  const StereoScene scene = makeScene(3, {160, 96}, 30);
   const cv::Mat raw = found(scene);
   const SceneMaps maps = stereoSgbmSource()(scene);
   ASSERT_EQ(maps.disparity.size(), raw.size());

@@ -3,15 +3,14 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/temporary_folder.h"
 
 #include "cbmv_stereo/io/disparity_file.h"
@@ -24,12 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-std::string contentOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// A folder with data sets of empty files, which a writer does not look into, and maps to write.
 class Submission : public testing::Test {

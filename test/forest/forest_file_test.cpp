@@ -4,11 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/file_content.h"
 #include "support/random_forest.h"
 
 #include "cbmv_stereo/error.h"
@@ -20,12 +20,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string pathOf(const std::string& name) { return testing::TempDir() + "forest_file_" + name; }
-
-std::string readAll(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 void writeAll(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -67,7 +61,7 @@ TEST(ForestFile, KeepsTheMeasures) {
 /// As forests of version 1 were at first.
 TEST(ForestFile, MayHoldNoMeasures) {
   writeForest(makeForest(2, 3, 1), pathOf("unmeasured"));
-  EXPECT_EQ(readAll(pathOf("unmeasured")).find("reliability"), std::string::npos);
+  EXPECT_EQ(contentOf(pathOf("unmeasured")).find("reliability"), std::string::npos);
   const ForestProvenance read = readForest(pathOf("unmeasured")).provenance;
   EXPECT_TRUE(read.reliability.empty());
   EXPECT_TRUE(read.feature_importance.empty());
@@ -103,7 +97,7 @@ TEST(ForestFile, NamesMissingFile) {
 
 TEST(ForestFile, NamesDamage) {
   writeForest(makeForest(3, 4, 2), pathOf("good"));
-  const std::string good = readAll(pathOf("good"));
+  const std::string good = contentOf(pathOf("good"));
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "no valid JSON"},
       {"P5 1 1 255 x", "no valid JSON"},

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/temporary_folder.h"
 
 namespace cbmv {
@@ -66,9 +67,7 @@ TEST(Pfm, ValuesComeBackBitForBit) {
 TEST(Pfm, WritesLittleEndian) {
   const TemporaryFolder folder;
   writePfm(folder.file("a.pfm"), cv::Mat(1, 1, CV_32FC1, cv::Scalar(1.0)));
-  std::ifstream in(folder.file("a.pfm"), std::ios::binary);
-  const std::string content{std::istreambuf_iterator<char>(in), {}};
-  EXPECT_EQ(content, std::string("Pf\n1 1\n-1.0\n\x00\x00\x80\x3f", 16));
+  EXPECT_EQ(contentOf(folder.file("a.pfm")), std::string("Pf\n1 1\n-1.0\n\x00\x00\x80\x3f", 16));
 }
 
 TEST(Pfm, SaysWhatIsWrongWithTheFile) {

@@ -5,15 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/temporary_folder.h"
 
 namespace cbmv {
 namespace {
-
-std::string readAll(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 TEST(Ply, WritesHeaderAndPackedPoints) {
   const TemporaryFolder folder;
@@ -26,13 +22,13 @@ TEST(Ply, WritesHeaderAndPackedPoints) {
       "\x00\x00\x80\x3f\x00\x00\x00\xc0\x00\x00\x00\x3f\x01\x02\xff"
       "\x00\x00\x00\x00\x00\x00\x40\x40\x00\x00\x00\x00\x00\x80\x07",
       30);
-  EXPECT_EQ(readAll(folder.file("a.ply")), header + points);
+  EXPECT_EQ(contentOf(folder.file("a.ply")), header + points);
 }
 
 TEST(Ply, AnEmptyCloudIsAFileToo) {
   const TemporaryFolder folder;
   writePly(folder.file("a.ply"), {});
-  EXPECT_TRUE(mentions(readAll(folder.file("a.ply")), {"element vertex 0\n"}));
+  EXPECT_TRUE(mentions(contentOf(folder.file("a.ply")), {"element vertex 0\n"}));
 }
 
 TEST(Ply, NamesTheFileThatCannotBeWritten) {

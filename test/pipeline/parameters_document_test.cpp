@@ -1,9 +1,10 @@
 // docs/parameters.md says what the code does.
 
-#include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
+
+#include "support/file_content.h"
 
 #include "cbmv_stereo/pipeline/parameters.h"
 
@@ -30,11 +31,10 @@ std::string tableRow(const Parameter& parameter) {
 }
 
 TEST(ParametersDocument, HasARowForEachParameter) {
-  std::ostringstream document;
-  document << std::ifstream(CBMV_SOURCE_DIR "/docs/parameters.md").rdbuf();
+  const std::string document = contentOf(CBMV_SOURCE_DIR "/docs/parameters.md");
   for (const Parameter& parameter : stereoParameters()) {
     const std::string row = tableRow(parameter);
-    EXPECT_NE(document.str().find(row + "\n"), std::string::npos) << row;
+    EXPECT_NE(document.find(row + "\n"), std::string::npos) << row;
   }
 }
 

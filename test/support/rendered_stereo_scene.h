@@ -7,17 +7,17 @@
 
 namespace cbmv {
 
-inline StereoScene makeScene(int seed) {
-  const RenderedScene rendered = renderScene(64, 32, seed);
+inline StereoScene makeScene(int seed, const cv::Size& size = {64, 32}, int disparities = 20) {
+  const RenderedScene rendered = renderScene(size.width, size.height, seed);
   StereoScene scene;
   scene.name = "Scene";
   scene.left = rendered.left;
   scene.right = rendered.right;
   scene.truth = rendered.truth;
   scene.visible = rendered.visible;
-  scene.calibration.width = 64;
-  scene.calibration.height = 32;
-  scene.calibration.disparities = 20;
+  scene.calibration.width = size.width;
+  scene.calibration.height = size.height;
+  scene.calibration.disparities = disparities;
   return scene;
 }
 

@@ -4,12 +4,12 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/file_content.h"
 #include "support/rendered_data_set.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
@@ -23,14 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
-
-std::string contentOf(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// How often the pattern occurs.
 long count(const std::string& text, const std::string& pattern) {
@@ -201,6 +196,30 @@ TEST_F(EvalTest, ResumesWhatWasCutOff) {
   EXPECT_EQ(fs::last_write_time(path("page/maps/One.pfm")), one);
   EXPECT_TRUE(fs::exists(path("page/maps/Two.pfm")));
   EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
+}
+
+TEST_F(EvalTest, ResumesTheSameDataSetOnly) {
+  ASSERT_EQ(evaluate("--report " + path("page")).status, 0);
+  const auto one = fs::last_write_time(path("page/maps/One.pfm"));
+  const auto resume = [&](const std::string& folder) {
+    const Outcome outcome =
+        run("cbmv_eval", "--dataset middlebury_v3:" + folder + " --forest " + kForest +
+                             " --resume --json " + path("page/report.json") + " --maps " +
+                             path("page/maps"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+  };
+  resume(path("testQ/../testQ/."));
+  EXPECT_EQ(fs::last_write_time(path("page/maps/One.pfm")), one);
+  const EvaluationReport first = readJsonReport(path("page/report.json"));
+  writeScene(path("otherQ/One"), renderScene(120, 60, 3));
+  writeScene(path("otherQ/Two"), renderScene(120, 60, 4));
+  resume(path("otherQ"));
+  EXPECT_NE(fs::last_write_time(path("page/maps/One.pfm")), one);
+  const EvaluationReport other = readJsonReport(path("page/report.json"));
+  ASSERT_EQ(other.scenes.size(), 2U);
+  EXPECT_NE(other.scenes[0].noc, first.scenes[0].noc);
+  EXPECT_NE(other.scenes[1].noc, first.scenes[1].noc);
+  EXPECT_THAT(contentOf(path("page/report.json")), Not(HasSubstr("otherQ")));
 }
 
 TEST_F(EvalTest, RefusesBeforeItStarts) {

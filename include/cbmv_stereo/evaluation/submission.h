@@ -14,12 +14,10 @@ struct SubmissionFormat;
 /// upload:
 ///
 /// - Middlebury v3: trainingQ/SCENE/disp0CBMV.pfm, or disp0CBMV_s.pfm where a pixel has no
-/// disparity
-///   (infinity), and timeCBMV.txt, the seconds; test… for all but the 15 training scenes, the last
-///   letter (Q, H or F: the resolution) from the name of the data set's folder.
+///   disparity (infinity), and timeCBMV.txt, the seconds; test… for all but the 15 training scenes,
+///   the last letter (Q, H or F: the resolution) from the name of the data set's folder.
 /// - KITTI 2012: NNNNNN_10.png, 16 bits, disparity · 256 rounded, 0 = none. A disparity that would
-/// be
-///   rounded to 0 or is below it becomes 1.
+///   be rounded to 0 or is below it becomes 1.
 /// - KITTI 2015: the same in disp_0/.
 /// - ETH3D: low_res_two_view/SCENE.pfm (infinity = none) and SCENE.txt: "runtime" and the seconds.
 class SubmissionWriter {

@@ -31,9 +31,9 @@ using BoostingProgress = std::function<void(int, double)>;
 /// rounded to `leaf_unit` at once, so that later trees mend the rounding of earlier ones. Sums are
 /// of integers: the same forest with any number of threads.
 ///
-/// Throws Error if an option is out of range one of the classes has no samples or none is held
-/// out. The result's provenance holds samples, held_out_log_loss and feature_importance: the part
-/// of the score gained by each feature's questions.
+/// Throws Error if an option is out of range, one of the classes has no samples to train on, or no
+/// sample is held out. The result's provenance holds samples, held_out_log_loss and
+/// feature_importance: the part of the score gained by each feature's questions.
 Forest trainForest(const Samples& samples, const BoostingOptions& options,
                    const BoostingProgress& progress);
 

@@ -238,12 +238,7 @@ int main(int argc, char** argv) {
   report->add_option("--calibration", recorded.calibration, "calib.txt of the pair")->required();
   report->add_option("--output", recorded.output, "Folder for the pictures and files")->required();
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  return cbmv::runTool("cbmv_demo", [&] {
+  return cbmv::runTool(app, argc, argv, "cbmv_demo", [&] {
     if (*render) {
       cbmv::render(folder);
     } else if (*make_bag) {
