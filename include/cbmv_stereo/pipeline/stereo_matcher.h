@@ -36,6 +36,13 @@ class StereoMatcher {
   /// background).
   StereoResult match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset& offset);
 
+  /// The same into the maps of `result`, whose memory is reused where the size fits: from the
+  /// second frame of one size and one set of options on, no memory is allocated but for the tasks
+  /// of oneTBB. Maps that share their memory with those of `result` change, too; the images must
+  /// not.
+  void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset& offset,
+             StereoResult& result);
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;
