@@ -12,6 +12,7 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
@@ -42,6 +43,13 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
   }
 }
 
+void requireMemory(const cv::Size& size, const StereoOptions& options) {
+  const std::string refusal = memoryRefusal(size, options);
+  if (!refusal.empty()) {
+    throw Error(refusal);
+  }
+}
+
 }  // namespace
 
 class StereoMatcher::Impl {
@@ -63,6 +71,7 @@ class StereoMatcher::Impl {
   void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
              StereoResult& result) {
     requirePair(left, right);
+    requireMemory(left.size(), options_);
     result.times = {};
     result.rectification = {};
     arena_->execute([&] { run(left, right, offset, result); });

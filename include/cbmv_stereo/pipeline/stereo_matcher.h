@@ -29,7 +29,8 @@ class StereoMatcher {
   void setOptions(const StereoOptions& options);
 
   /// One pair by itself: the vertical offset is estimated from this pair (if switched on), removed,
-  /// and the pair matched. Both images CV_8UC1 of the same size, not empty; throws Error otherwise.
+  /// and the pair matched. Both images CV_8UC1 of the same size, not empty, and not so large that
+  /// they need more memory than options.max_memory_mb; throws Error otherwise.
   StereoResult match(const cv::Mat& left, const cv::Mat& right);
 
   /// A frame of a stream: the vertical offset is given (RectificationTracker estimates it in the
