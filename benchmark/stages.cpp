@@ -47,12 +47,19 @@ struct StageData {
   SobelSadMatcher sobel_sad;
   VolumeBuilder builder;
   MatchingVolume volume, right_volume;
-  cv::Mat left_arms, right_arms;
+  SupportArms arms;
   EdgeImages edges;
   OptimizedVolume optimized, output;
   cv::Mat winners, right_winners, labels, disparity;
   cv::Mat map;  ///< output of the stages that make one
   VerticalOffset offset;
+
+  // Memory of the stages.
+  PerThread<std::vector<std::uint8_t>> shift_rows;
+  PerThread<RowAcross> across_rows;
+  SemiGlobalMatcher sgm;
+  CostAggregator aggregator;
+  cv::Mat padded;
 
   // Of the row in the middle.
   MatcherSet::Scratch scratch;
@@ -163,16 +170,17 @@ StageData::StageData(const Problem& problem)
 }
 
 void StageData::optimize() {
-  computeArms(*this, pair.left, left_arms);
-  computeArms(*this, pair.right, right_arms);
+  computeArms(*this, pair.left, arms.reference);
+  computeArms(*this, pair.right, arms.other);
+  arms.longest_px = options.aggregation.arm_length_px - 1;
   edges = {pair.left, pair.right, options.sgm.edge_threshold * greyDeviation(pair.left),
            options.sgm.edge_threshold * greyDeviation(pair.right)};
-  semiGlobalMatching(volume, edges, View::kLeft, range, options.sgm, optimized);
+  sgm.match(volume, edges, View::kLeft, range, options.sgm, optimized);
 }
 
 void StageData::refine() {
   winnerTakesAll(optimized, View::kLeft, range, winners);
-  winnerTakesAllAcross(optimized, range, right_winners);
+  winnerTakesAllAcross(optimized, range, across_rows, right_winners);
   leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
                  labels);
   disparity = winners.clone();
@@ -231,7 +239,7 @@ std::vector<Stage> volumeStages() {
           {"shift_to_right_view", Unit::kHypotheses, 2, 0,
            [](StageData& s) {
              s.right_volume = s.volume;  // the shift is in place
-             shiftToRightView(s.range, s.right_volume);
+             shiftToRightView(s.range, s.right_volume, s.shift_rows);
            },
            [](const StageData& s, Checksum& sum) { sum.add(s.right_volume); }}};
 }
@@ -241,25 +249,25 @@ std::vector<Stage> optimizationStages() {
            [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
           {"sgm_first", Unit::kHypotheses, 8, 80,
            [](StageData& s) {
-             semiGlobalMatching(s.volume, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
+             s.sgm.match(s.volume, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
            },
            addOutput},
           {"sgm_second", Unit::kHypotheses, 10, 80,
            [](StageData& s) {
-             semiGlobalMatching(s.optimized, s.edges, View::kLeft, s.range, s.options.sgm,
-                                s.output);
+             s.sgm.match(s.optimized, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
            },
            addOutput},
           {"cbca", Unit::kHypotheses, 4, 0,
            [](StageData& s) {
-             aggregateCosts(s.optimized, sgmCostBound(s.options.sgm), s.left_arms, s.right_arms,
-                            View::kLeft, s.range, s.output);
+             s.aggregator.aggregate(s.optimized, sgmCostBound(s.options.sgm), s.arms, View::kLeft,
+                                    s.range, s.output);
            },
            addOutput},
           {"winner_takes_all", Unit::kHypotheses, 2, 4,
            [](StageData& s) { winnerTakesAll(s.optimized, View::kLeft, s.range, s.map); }, addMap},
           {"winner_takes_all_across", Unit::kHypotheses, 2, 12,
-           [](StageData& s) { winnerTakesAllAcross(s.optimized, s.range, s.map); }, addMap}};
+           [](StageData& s) { winnerTakesAllAcross(s.optimized, s.range, s.across_rows, s.map); },
+           addMap}};
 }
 
 std::vector<Stage> refinementStages() {
@@ -289,13 +297,14 @@ std::vector<Stage> refinementStages() {
            addMap},
           {"median", Unit::kPixels, 8, 0,
            [](StageData& s) {
-             medianFilter(s.disparity, s.range, s.options.refinement.median_size_px, s.map);
+             medianFilter(s.disparity, s.range, s.options.refinement.median_size_px, s.padded,
+                          s.map);
            },
            addMap},
           {"bilateral", Unit::kPixels, 8, 0,
            [](StageData& s) {
              bilateralFilter(s.disparity, s.range, s.options.refinement.bilateral_sigma_px,
-                             s.options.refinement.bilateral_threshold_px, s.map);
+                             s.options.refinement.bilateral_threshold_px, s.padded, s.map);
            },
            addMap}};
 }

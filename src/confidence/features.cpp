@@ -268,6 +268,12 @@ void resizeTerms(PixelTerms& terms, int width) {
 
 }  // namespace
 
+void PixelTerms::reserve(int width) {
+  for (std::vector<float>* terms : {&lowest_cost, &log_lowest_cost, &log_sum}) {
+    terms->reserve(width);
+  }
+}
+
 void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
                      const MatcherConstants& constants, RowTerms& terms) {
   resizeTerms(terms.left, width);

@@ -11,6 +11,23 @@ void RowFeatures::forUsedMatchers(const Use& use) const {
   }
 }
 
+void RowFeatures::reserve(int width, const DisparityRange& range, const MatcherSelection& used,
+                          bool wants_codes) {
+  width_ = width;
+  used_ = used;
+  scratch_.resize(width);
+  costs_.resize(width, range.count, used);
+  forUsedMatchers([&](int m) {
+    terms_[m].left.reserve(width);
+    terms_[m].right.reserve(width);
+  });
+  if (wants_codes) {
+    codes_.resize(lineOffset(kFeatureCount));
+  } else {
+    values_.resize(lineOffset(kFeatureCount));
+  }
+}
+
 void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
                              const DisparityRange& range, const MatcherSelection& used) {
   width_ = width;

@@ -235,11 +235,18 @@ void ForestEvaluator::evaluate(const std::array<const std::uint8_t*, kFeatureCou
 
 void ForestEvaluator::evaluate(const std::array<const float*, kFeatureCount>& values, int count,
                                std::uint8_t* costs) const {
-  std::vector<float> probabilities(count);
-  walker_.evaluate(values, count, probabilities.data());
-  std::transform(probabilities.begin(), probabilities.end(), costs, [](float probability) {
-    return static_cast<std::uint8_t>(std::lround(255.0F * (1.0F - probability)));
-  });
+  std::array<float, TreeWalker::kBlock> probabilities{};
+  for (int first = 0; first < count; first += TreeWalker::kBlock) {
+    std::array<const float*, kFeatureCount> block{};
+    std::transform(values.begin(), values.end(), block.begin(),
+                   [first](const float* line) { return line + first; });
+    const int hypotheses = std::min(TreeWalker::kBlock, count - first);
+    walker_.evaluate(block, hypotheses, probabilities.data());
+    std::transform(probabilities.begin(), probabilities.begin() + hypotheses, costs + first,
+                   [](float probability) {
+                     return static_cast<std::uint8_t>(std::lround(255.0F * (1.0F - probability)));
+                   });
+  }
 }
 
 }  // namespace cbmv

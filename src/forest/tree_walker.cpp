@@ -9,7 +9,6 @@ namespace {
 
 using ValueLines = std::array<const float*, kFeatureCount>;
 
-constexpr int kBlock = 256;   // hypotheses for which a tree stays in the cache
 constexpr int kAbreast = 16;  // hypotheses that walk side by side
 
 /// Adds the leaves that the hypotheses [first, first + count), at most kAbreast, fall into.

@@ -4,13 +4,42 @@
 
 namespace cbmv {
 
-void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right) {
+void MatcherCosts::resize(int width, int disparities, const MatcherSelection& used) {
+  if (used[kCensus]) {
+    census.resize(width, disparities);
+  }
+  if (used[kNcc]) {
+    ncc.resize(width, disparities);
+  }
+  if (used[kZeroMeanSad]) {
+    zero_mean_sad.resize(width, disparities);
+  }
+  if (used[kSobelSad]) {
+    sobel_sad.resize(width, disparities);
+  }
+}
+
+void MatcherSet::Scratch::resize(int width) {
+  ncc.resize(width);
+  zero_mean_sad.resize(width);
+  sobel_sad.resize(width);
+}
+
+void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right, const MatcherSelection& used) {
   padImage(left, padded_left_);
   padImage(right, padded_right_);
-  census_.prepare(padded_left_, padded_right_);
-  ncc_.prepare(padded_left_, padded_right_);
-  zero_mean_sad_.prepare(padded_left_, padded_right_);
-  sobel_sad_.prepare(padded_left_, padded_right_);
+  if (used[kCensus]) {
+    census_.prepare(padded_left_, padded_right_);
+  }
+  if (used[kNcc]) {
+    ncc_.prepare(padded_left_, padded_right_);
+  }
+  if (used[kZeroMeanSad]) {
+    zero_mean_sad_.prepare(padded_left_, padded_right_);
+  }
+  if (used[kSobelSad]) {
+    sobel_sad_.prepare(padded_left_, padded_right_);
+  }
 }
 
 void MatcherSet::computeRow(int y, const DisparityRange& range, const MatcherSelection& used,

@@ -1,5 +1,7 @@
 #include "cbmv_stereo/matching/ncc.h"
 
+#include <algorithm>
+
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/matching/padded_image.h"
@@ -101,10 +103,16 @@ NccMatcher::Rows windowRows(const cv::Mat& padded, int y) {
           paddedRow<float>(padded, y + 1)};
 }
 
-/// Memory for the columns −1 … width; the pointer is to column 0.
-float* columnSums(int width, std::vector<float>& memory) {
-  memory.resize(static_cast<std::size_t>(width) + 2);
-  return memory.data() + 1;
+/// Statistics of the windows of a row, in blocks of columns whose sums fit the stack.
+void sumWindowsOfRow(const NccMatcher::Rows& rows, int width, float* sums,
+                     float* inverse_deviations) {
+  constexpr int kBlock = 512;
+  std::array<float, kBlock + 2> columns{};
+  for (int x = 0; x < width; x += kBlock) {
+    HWY_DYNAMIC_DISPATCH(sumWindows)
+    ({rows[0] + x, rows[1] + x, rows[2] + x}, std::min(kBlock, width - x), columns.data() + 1,
+     sums + x, inverse_deviations + x);
+  }
 }
 
 }  // namespace
@@ -120,10 +128,8 @@ void NccMatcher::prepareImage(const cv::Mat& padded, WindowStatistics& statistic
   statistics.sums.create(height, width, CV_32FC1);
   statistics.inverse_deviations.create(height, width, CV_32FC1);
   tbb::parallel_for(0, height, [&](int y) {
-    std::vector<float> memory;
-    HWY_DYNAMIC_DISPATCH(sumWindows)
-    (windowRows(statistics.padded, y), width, columnSums(width, memory),
-     statistics.sums.ptr<float>(y), statistics.inverse_deviations.ptr<float>(y));
+    sumWindowsOfRow(windowRows(statistics.padded, y), width, statistics.sums.ptr<float>(y),
+                    statistics.inverse_deviations.ptr<float>(y));
   });
 }
 
@@ -138,7 +144,8 @@ void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch
   costs.resize(width, range.count);
   const Windows left = left_.row(y);
   const Windows right = right_.row(y);
-  float* columns = columnSums(width, scratch.column_sums);
+  scratch.resize(width);
+  float* columns = scratch.column_sums.data() + 1;
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
     HWY_DYNAMIC_DISPATCH(correlate)

@@ -1,8 +1,6 @@
 #include "cbmv_stereo/matching/sobel_sad.h"
 
-#include <cstddef>
-
-#include <opencv2/imgproc.hpp>
+#include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
@@ -66,18 +64,34 @@ SobelSadMatcher::Rows windowRows(const cv::Mat& padded, int y) {
   return rows;
 }
 
+/// Of the padded image without a margin of one pixel.
+void computeResponses(const cv::Mat& padded, cv::Mat& responses) {
+  responses.create(padded.size(), CV_16SC1);
+  tbb::parallel_for(1, padded.rows - 1, [&](int y) {
+    const auto* above = padded.ptr<std::uint8_t>(y - 1);
+    const auto* here = padded.ptr<std::uint8_t>(y);
+    const auto* below = padded.ptr<std::uint8_t>(y + 1);
+    auto* out = responses.ptr<std::int16_t>(y);
+    for (int x = 1; x < padded.cols - 1; ++x) {
+      out[x] =
+          static_cast<std::int16_t>(above[x + 1] - above[x - 1] + 2 * (here[x + 1] - here[x - 1]) +
+                                    below[x + 1] - below[x - 1]);
+    }
+  });
+}
+
 }  // namespace
 
 void SobelSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
-  cv::Sobel(padded_left, left_responses_, CV_16S, 1, 0, 3, 1, 0, cv::BORDER_REPLICATE);
-  cv::Sobel(padded_right, right_responses_, CV_16S, 1, 0, 3, 1, 0, cv::BORDER_REPLICATE);
+  computeResponses(padded_left, left_responses_);
+  computeResponses(padded_right, right_responses_);
 }
 
 void SobelSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
                                  CostRow<std::uint16_t>& costs) const {
   const int width = left_responses_.cols - 2 * kMatchingBorderPx;
   costs.resize(width, range.count);
-  scratch.column_sums.resize(static_cast<std::size_t>(width) + kWindowPx - 1);
+  scratch.resize(width);
   const Rows left = windowRows(left_responses_, y);
   const Rows right = windowRows(right_responses_, y);
   for (int i = 0; i < range.count; ++i) {

@@ -1,9 +1,9 @@
 #include "cbmv_stereo/matching/zero_mean_sad.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <numeric>
 
-#include <opencv2/imgproc.hpp>
+#include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
@@ -63,22 +63,26 @@ namespace {
 
 HWY_EXPORT(sumDeviations);
 
-/// Mean of every window, without the padding.
-void windowMeans(const cv::Mat& padded, cv::Mat& means) {
-  constexpr int kPixels = ZeroMeanSadMatcher::kWindowPx * ZeroMeanSadMatcher::kWindowPx;
-  cv::Mat sums;
-  cv::boxFilter(padded, sums, CV_32S,
-                {ZeroMeanSadMatcher::kWindowPx, ZeroMeanSadMatcher::kWindowPx}, {-1, -1}, false);
-  const cv::Rect inside(kMatchingBorderPx, kMatchingBorderPx, padded.cols - 2 * kMatchingBorderPx,
-                        padded.rows - 2 * kMatchingBorderPx);
-  sums = sums(inside);
-  means.create(inside.size(), CV_16SC1);
-  for (int y = 0; y < means.rows; ++y) {
-    const auto* sum = sums.ptr<std::int32_t>(y);
-    std::transform(sum, sum + means.cols, means.ptr<std::int16_t>(y), [](std::int32_t s) {
-      return static_cast<std::int16_t>((ZeroMeanSadMatcher::kUnitsPerGrey * s + kPixels / 2) /
-                                       kPixels);
-    });
+/// Means of the windows around the pixels of row y, in blocks of columns whose sums fit the stack.
+void meansOfRow(const cv::Mat& padded, int y, int width, std::int16_t* means) {
+  constexpr int kWindow = ZeroMeanSadMatcher::kWindowPx;
+  constexpr int kPixels = kWindow * kWindow;
+  constexpr int kBlock = 512;
+  std::array<int, kBlock + kWindow - 1> columns{};
+  for (int first = 0; first < width; first += kBlock) {
+    const int count = std::min(kBlock, width - first);
+    columns.fill(0);
+    for (int row = y - kWindow / 2; row <= y + kWindow / 2; ++row) {
+      const auto* pixels = paddedRow<std::uint8_t>(padded, row) + first - kWindow / 2;
+      for (int i = 0; i < count + kWindow - 1; ++i) {
+        columns[i] += pixels[i];
+      }
+    }
+    for (int i = 0; i < count; ++i) {
+      const int sum = std::accumulate(&columns[i], &columns[i] + kWindow, 0);
+      means[first + i] = static_cast<std::int16_t>(
+          (ZeroMeanSadMatcher::kUnitsPerGrey * sum + kPixels / 2) / kPixels);
+    }
   }
 }
 
@@ -93,8 +97,13 @@ ZeroMeanSadMatcher::Windows ZeroMeanSadMatcher::WindowStatistics::row(int y) con
 }
 
 void ZeroMeanSadMatcher::prepareImage(const cv::Mat& padded, WindowStatistics& statistics) {
+  const int height = padded.rows - 2 * kMatchingBorderPx;
+  const int width = padded.cols - 2 * kMatchingBorderPx;
   padded.convertTo(statistics.padded, CV_16S, kUnitsPerGrey);
-  windowMeans(padded, statistics.means);
+  statistics.means.create(height, width, CV_16SC1);
+  tbb::parallel_for(0, height, [&](int y) {
+    meansOfRow(padded, y, width, statistics.means.ptr<std::int16_t>(y));
+  });
 }
 
 void ZeroMeanSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
@@ -107,7 +116,7 @@ void ZeroMeanSadMatcher::computeRow(int y, const DisparityRange& range, Scratch&
   const int width = left_.means.cols;
   const int stride = width + kWindowPx - 1;
   costs.resize(width, range.count);
-  scratch.differences.resize(static_cast<std::size_t>(stride) * kWindowPx);
+  scratch.resize(width);
   const Windows left = left_.row(y);
   const Windows right = right_.row(y);
   for (int i = 0; i < range.count; ++i) {

@@ -6,10 +6,9 @@
 #define CBMV_OPTIMIZATION_COST_VECTORS_INL_H
 #endif
 
-#include <algorithm>
-#include <cstdint>
-
 #include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
@@ -28,19 +27,6 @@ HWY_INLINE hn::Vec<Tag> loadWidened(Tag tag, const Value* values) {
     return hn::LoadU(tag, values);
   } else {
     return hn::PromoteTo(tag, hn::LoadU(hn::Rebind<Value, Tag>(), values));
-  }
-}
-
-/// Stores the first `count` lanes, all if there are fewer, none if it is not positive, and leaves
-/// the memory behind alone: it may belong to another thread.
-template <class Tag>
-HWY_INLINE void storeFirst(Tag tag, hn::Vec<Tag> values, int count, hn::TFromD<Tag>* out) {
-  if (count >= static_cast<int>(hn::Lanes(tag))) {
-    hn::StoreU(values, tag, out);
-  } else {
-    HWY_ALIGN hn::TFromD<Tag> lanes[64 / sizeof(hn::TFromD<Tag>)];
-    hn::Store(values, tag, lanes);
-    hn::SafeCopyN(std::max(count, 0), tag, lanes, out);
   }
 }
 

@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "optimization/aggregation_rows.h"
+
+#include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/cross_based_aggregation.cpp"
@@ -252,23 +253,22 @@ int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple 
 /// copy.
 class MatchingArms {
  public:
-  MatchingArms(const cv::Mat& arms, View view, const DisparityRange& range)
-      : width_(arms.cols), mirrored_(view == View::kLeft) {
-    std::array<cv::Mat, 4> channels;
-    cv::split(arms, channels.data());
+  void assign(const cv::Mat& arms, View view, const DisparityRange& range) {
+    width_ = arms.cols;
+    mirrored_ = view == View::kLeft;
     const int size = arms.cols + range.count - 1 + static_cast<int>(kReadableBytesBeyond);
+    for (cv::Mat& plane : planes_) {
+      plane.create(arms.rows, size, CV_8UC1);
+    }
     const cv::Range inside(std::clamp(range.min, 0, width_),
                            std::clamp(range.min + size, 0, width_));
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      planes_[i] = cv::Mat::zeros(arms.rows, size, CV_8UC1);
-      if (mirrored_) {
-        cv::flip(channels[i], channels[i], 1);
+    tbb::parallel_for(0, arms.rows, [&](int y) {
+      for (int channel = 0; channel < static_cast<int>(planes_.size()); ++channel) {
+        auto* plane = planes_[channel].ptr<std::uint8_t>(y);
+        std::fill_n(plane, size, std::uint8_t{0});
+        copyChannel(arms.ptr<cv::Vec4b>(y), channel, inside, plane + (inside.start - range.min));
       }
-      if (!inside.empty()) {
-        channels[i].colRange(inside).copyTo(
-            planes_[i].colRange(inside.start - range.min, inside.end - range.min));
-      }
-    }
+    });
   }
 
   /// Of the hypotheses of pixel (x, y).
@@ -279,8 +279,15 @@ class MatchingArms {
   int step() const { return mirrored_ ? -1 : 1; }
 
  private:
-  int width_;
-  bool mirrored_;
+  void copyChannel(const cv::Vec4b* arms, int channel, const cv::Range& columns,
+                   std::uint8_t* out) const {
+    for (int i = columns.start; i < columns.end; ++i) {
+      *out++ = arms[mirrored_ ? width_ - 1 - i : i][channel];
+    }
+  }
+
+  int width_ = 0;
+  bool mirrored_ = false;
   std::array<cv::Mat, 4> planes_;
 };
 
@@ -288,29 +295,56 @@ template <typename Cost>
 struct Inputs {
   const Volume<Cost>& costs;
   const cv::Mat& reference_arms;
-  MatchingArms other_arms;
+  const MatchingArms& other_arms;
   int longest_arm_px;
 };
 
+/// Elements of a cache line.
 template <typename Value>
-using LineVector = std::vector<Value, CacheLineAllocator<Value>>;
+constexpr int kLine = 64 / sizeof(Value);
 
-/// Aggregates a tile from top to bottom, first along the rows, then along the columns. Of the sums
-/// along the rows, a ring holds as many rows as arms can span.
+/// Sums along the rows of a tile, of as many rows as arms can span.
+template <typename Sum>
+class Ring {
+ public:
+  /// Makes room for tiles of up to so many columns and disparities.
+  void resize(int columns, int disparities, int longest_arm_px) {
+    rows_ = 2 * longest_arm_px + 1;
+    pitch_ = roundUp(disparities, 2 * kLine<Sum>);
+    // One line more keeps the rows, often multiples of a power of two, from competing for one part
+    // of the cache.
+    row_size_ = 2 * pitch_ * columns + kLine<Sum>;
+    sums_.resize(row_size_ * rows_);
+    around_.resize(rows_);
+  }
+
+  /// Elements of a line of sums, or numbers of pixels, of a column.
+  std::ptrdiff_t pitch() const { return pitch_; }
+  /// `y` may lie one ring above the image.
+  Sum* row(int y) { return sums_.data() + (y + rows_) % rows_ * row_size_; }
+
+  /// rowsAround(y)[k] is row(y + k) for k as far as arms reach.
+  const Sum* const* rowsAround(int y) {
+    for (int k = 0; k < rows_; ++k) {
+      around_[k] = row(y - rows_ / 2 + k);
+    }
+    return around_.data() + rows_ / 2;
+  }
+
+ private:
+  int rows_ = 0;
+  std::ptrdiff_t pitch_ = 0;
+  std::ptrdiff_t row_size_ = 0;
+  std::vector<Sum, CacheLineAllocator<Sum>> sums_;
+  std::vector<const Sum*> around_;
+};
+
+/// Aggregates a tile from top to bottom, first along the rows, then along the columns.
 template <typename Cost, typename Sum>
 class TileAggregator {
  public:
-  /// `ring` is scratch.
-  TileAggregator(const Inputs<Cost>& inputs, const Tile& tile, LineVector<Sum>& ring)
-      : inputs_(inputs),
-        tile_(tile),
-        ring_rows_(2 * inputs.longest_arm_px + 1),
-        pitch_(roundUp(tile.disparities.size(), 2 * kLine)),
-        row_size_(2 * pitch_ * tile.columns.size() + kLine),
-        ring_(ring),
-        rows_(ring_rows_) {
-    ring_.resize(std::max(ring_.size(), static_cast<std::size_t>(row_size_ * ring_rows_)));
-  }
+  TileAggregator(const Inputs<Cost>& inputs, const Tile& tile, Ring<Sum>& ring)
+      : inputs_(inputs), tile_(tile), ring_(ring) {}
 
   void run(OptimizedVolume& aggregated) {
     const int height = inputs_.costs.height();
@@ -326,13 +360,6 @@ class TileAggregator {
   }
 
  private:
-  /// Elements of a cache line. One of them keeps the rows of the ring, often multiples of a power
-  /// of two, from competing for one part of the cache.
-  static constexpr std::ptrdiff_t kLine = 64 / sizeof(Sum);
-
-  /// `y` may lie one ring above the image.
-  Sum* ringRow(int y) { return ring_.data() + (y + ring_rows_) % ring_rows_ * row_size_; }
-
   ArmRows arms(int y, Arm first, Arm second) const {
     const int x = tile_.columns.start;
     const std::uint8_t* reference = inputs_.reference_arms.template ptr<cv::Vec4b>(y)[x].val;
@@ -348,17 +375,13 @@ class TileAggregator {
     const int first = tile_.columns.start;
     sumRow(RowToSum<Cost, Sum>{inputs_.costs.pixel(y, first) + tile_.disparities.start,
                                inputs_.costs.disparities(), tile_.columns.size(),
-                               tile_.disparities.size(), arms(y, kLeftArm, kRightArm), ringRow(y),
-                               pitch_});
+                               tile_.disparities.size(), arms(y, kLeftArm, kRightArm), ring_.row(y),
+                               ring_.pitch()});
   }
 
   void averageRow(int y, OptimizedVolume& aggregated) {
-    const int longest = inputs_.longest_arm_px;
-    for (int k = -longest; k <= longest; ++k) {
-      rows_[k + longest] = ringRow(y + k);
-    }
     const int first = tile_.columns.start;
-    cbmv::averageRow(RowToAverage<Sum>{rows_.data() + longest, pitch_, tile_.columns.size(),
+    cbmv::averageRow(RowToAverage<Sum>{ring_.rowsAround(y), ring_.pitch(), tile_.columns.size(),
                                        tile_.disparities.size(), arms(y, kUpArm, kDownArm),
                                        aggregated.pixel(y, first) + tile_.disparities.start,
                                        aggregated.disparities()});
@@ -366,23 +389,21 @@ class TileAggregator {
 
   const Inputs<Cost>& inputs_;
   const Tile tile_;
-  const int ring_rows_;
-  const std::ptrdiff_t pitch_;
-  const std::ptrdiff_t row_size_;
-  LineVector<Sum>& ring_;
-  std::vector<const Sum*> rows_;  // of the ring, from the highest to the lowest that arms reach
+  Ring<Sum>& ring_;
 };
 
 template <typename Sum, typename Cost>
-void aggregateTiles(const Inputs<Cost>& inputs, OptimizedVolume& aggregated) {
-  // The ring should fit the second-level cache; a tile reads the costs of its neighbours, too.
-  const int tile_disparities = sizeof(Sum) == 2 ? 256 : 32;
-  const int tile_columns = std::max(48, 2 * inputs.longest_arm_px);
+void aggregateTiles(const Inputs<Cost>& inputs, PerThread<Ring<Sum>>& rings,
+                    OptimizedVolume& aggregated) {
   const int width = inputs.costs.width();
   const int count = inputs.costs.disparities();
+  // The ring should fit the second-level cache; a tile reads the costs of its neighbours, too.
+  const int tile_disparities = std::min(sizeof(Sum) == 2 ? 256 : 32, count);
+  const int tile_columns = std::min(std::max(48, 2 * inputs.longest_arm_px), width);
   const int tiles_across = (width + tile_columns - 1) / tile_columns;
   const int tiles_deep = (count + tile_disparities - 1) / tile_disparities;
-  tbb::enumerable_thread_specific<LineVector<Sum>> rings;
+  rings.prepare(
+      [&](Ring<Sum>& ring) { ring.resize(tile_columns, tile_disparities, inputs.longest_arm_px); });
   tbb::parallel_for(0, tiles_across * tiles_deep, [&](int index) {
     const int x = index / tiles_deep * tile_columns;
     const int d = index % tiles_deep * tile_disparities;
@@ -400,41 +421,48 @@ bool fit16Bits(int longest_arm_px, int max_cost) {
          span * span * max_cost >> 12 <= 0xff;
 }
 
-template <typename Cost>
-void aggregate(const Volume<Cost>& costs, int max_cost, const cv::Mat& reference_arms,
-               const cv::Mat& other_arms, View view, const DisparityRange& range,
-               OptimizedVolume& aggregated) {
-  const cv::Size size(costs.width(), costs.height());
-  CV_Assert(reference_arms.type() == CV_8UC4 && reference_arms.size() == size);
-  CV_Assert(other_arms.type() == CV_8UC4 && other_arms.size() == size);
-  CV_Assert(costs.disparities() == range.count && max_cost <= 16383);
-
-  aggregated.resize(costs.height(), costs.width(), costs.disparities());
-  double longest_arm_px = 0;
-  cv::minMaxIdx(reference_arms.reshape(1), nullptr, &longest_arm_px);
-  const Inputs<Cost> inputs{costs, reference_arms, MatchingArms(other_arms, view, range),
-                            static_cast<int>(longest_arm_px)};
-  if (fit16Bits(inputs.longest_arm_px, max_cost)) {
-    aggregateTiles<std::uint16_t>(inputs, aggregated);
-  } else {
-    aggregateTiles<std::uint32_t>(inputs, aggregated);
-  }
-}
-
 }  // namespace
 
-void aggregateCosts(const OptimizedVolume& costs, int max_cost, const cv::Mat& reference_arms,
-                    const cv::Mat& other_arms, View view, const DisparityRange& range,
-                    OptimizedVolume& aggregated) {
+class CostAggregator::Impl {
+ public:
+  template <typename Cost>
+  void aggregate(const Volume<Cost>& costs, int max_cost, const SupportArms& arms, View view,
+                 const DisparityRange& range, OptimizedVolume& aggregated) {
+    const cv::Size size(costs.width(), costs.height());
+    CV_Assert(arms.reference.type() == CV_8UC4 && arms.reference.size() == size);
+    CV_Assert(arms.other.type() == CV_8UC4 && arms.other.size() == size);
+    CV_Assert(costs.disparities() == range.count && max_cost <= 16383);
+
+    aggregated.resize(costs.height(), costs.width(), costs.disparities());
+    other_arms_.assign(arms.other, view, range);
+    const Inputs<Cost> inputs{costs, arms.reference, other_arms_, arms.longest_px};
+    if (fit16Bits(arms.longest_px, max_cost)) {
+      aggregateTiles(inputs, short_rings_, aggregated);
+    } else {
+      aggregateTiles(inputs, long_rings_, aggregated);
+    }
+  }
+
+ private:
+  MatchingArms other_arms_;
+  PerThread<Ring<std::uint16_t>> short_rings_;
+  PerThread<Ring<std::uint32_t>> long_rings_;
+};
+
+CostAggregator::CostAggregator() : impl_(std::make_unique<Impl>()) {}
+CostAggregator::~CostAggregator() = default;
+
+void CostAggregator::aggregate(const OptimizedVolume& costs, int max_cost, const SupportArms& arms,
+                               View view, const DisparityRange& range,
+                               OptimizedVolume& aggregated) {
   CV_Assert(&costs != &aggregated);
-  aggregate(costs, max_cost, reference_arms, other_arms, view, range, aggregated);
+  impl_->aggregate(costs, max_cost, arms, view, range, aggregated);
 }
 
-void aggregateCosts(const MatchingVolume& costs, int max_cost, const cv::Mat& reference_arms,
-                    const cv::Mat& other_arms, View view, const DisparityRange& range,
-                    OptimizedVolume& aggregated) {
-  aggregate(costs, std::min<int>(max_cost, kOutsideCost), reference_arms, other_arms, view, range,
-            aggregated);
+void CostAggregator::aggregate(const MatchingVolume& costs, int max_cost, const SupportArms& arms,
+                               View view, const DisparityRange& range,
+                               OptimizedVolume& aggregated) {
+  impl_->aggregate(costs, std::min<int>(max_cost, kOutsideCost), arms, view, range, aggregated);
 }
 
 }  // namespace cbmv

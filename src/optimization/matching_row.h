@@ -17,13 +17,14 @@ namespace cbmv {
 template <typename Value>
 class MatchingRow {
  public:
-  /// For the reference pixels in `columns` and the disparities in `range`.
-  MatchingRow(View view, const cv::Range& columns, const DisparityRange& range)
-      : forward_(view == View::kRight),
-        columns_(columns),
-        first_match_(matchingColumn(view, forward_ ? columns.start : columns.end - 1, range.min)),
-        values_(static_cast<std::size_t>(columns.size() + range.count - 1) +
-                kReadableBytesBeyond / sizeof(Value)) {}
+  /// Makes room for the reference pixels in `columns` and the disparities in `range`.
+  void resize(View view, const cv::Range& columns, const DisparityRange& range) {
+    forward_ = view == View::kRight;
+    columns_ = columns;
+    first_match_ = matchingColumn(view, forward_ ? columns.start : columns.end - 1, range.min);
+    values_.resize(static_cast<std::size_t>(columns.size() + range.count - 1) +
+                   kReadableBytesBeyond / sizeof(Value));
+  }
 
   /// Takes value_at(column) for columns in [0, width), `outside` for all others.
   template <typename ValueAt>
@@ -46,9 +47,9 @@ class MatchingRow {
   const Value* hypotheses(int x) const { return values_.data() + offset(x); }
 
  private:
-  bool forward_;
+  bool forward_ = false;
   cv::Range columns_;
-  int first_match_;
+  int first_match_ = 0;
   std::vector<Value> values_;
 };
 

@@ -5,22 +5,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "optimization/matching_row.h"
 #include "optimization/path_rows.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/semi_global_matching.cpp"
@@ -259,30 +257,59 @@ struct EdgeMaps {
   cv::Mat vertical;
 };
 
-EdgeMaps findEdges(const cv::Mat& grey, float threshold_grey) {
-  const cv::Rect all(0, 0, grey.cols, grey.rows);
-  const auto mark_steps = [&](const cv::Point& neighbour) {
-    cv::Mat edges = cv::Mat::zeros(grey.rows + 1, grey.cols + 1, CV_8UC1);
-    const cv::Rect pixels = all & (all + neighbour);
-    if (!pixels.empty()) {
-      cv::Mat steps;
-      cv::absdiff(grey(pixels), grey(pixels - neighbour), steps);
-      cv::compare(steps, threshold_grey, edges(pixels), cv::CMP_GE);
-    }
-    return edges;
-  };
-  return {mark_steps({1, 0}), mark_steps({0, 1})};
+/// Whether each of `count` pixels differs from the one `distance` before it by at least
+/// `lowest_step` grey levels.
+void markSteps(const std::uint8_t* pixels, std::ptrdiff_t distance, int count, int lowest_step,
+               std::uint8_t* edges) {
+  const std::uint8_t* neighbours = pixels - distance;
+  for (int x = 0; x < count; ++x) {
+    const int step = std::abs(pixels[x] - neighbours[x]);
+    edges[x] = static_cast<std::uint8_t>(step >= lowest_step ? 1 : 0);
+  }
 }
+
+void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges) {
+  const cv::Size size(grey.cols + 1, grey.rows + 1);
+  edges.horizontal.create(size, CV_8UC1);
+  edges.vertical.create(size, CV_8UC1);
+  // A whole number reaches the threshold exactly when it reaches the threshold rounded up.
+  const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+  const auto stride = static_cast<std::ptrdiff_t>(grey.step1());
+  tbb::parallel_for(0, size.height, [&](int y) {
+    auto* horizontal = edges.horizontal.ptr<std::uint8_t>(y);
+    auto* vertical = edges.vertical.ptr<std::uint8_t>(y);
+    std::fill_n(horizontal, size.width, std::uint8_t{0});
+    std::fill_n(vertical, size.width, std::uint8_t{0});
+    if (y < grey.rows) {
+      const auto* pixels = grey.ptr<std::uint8_t>(y);
+      markSteps(pixels + 1, 1, grey.cols - 1, lowest_step, horizontal + 1);
+      if (y > 0) {
+        markSteps(pixels, stride, grey.cols, lowest_step, vertical);
+      }
+    }
+  });
+}
+
+/// What all paths have in common beside the costs.
+struct PathSetup {
+  View view = View::kLeft;
+  DisparityRange range;
+  int width = 0;
+  int height = 0;
+  Penalties horizontal{};
+  Penalties vertical{};
+  EdgeMaps reference;
+  EdgeMaps other;
+};
 
 /// Penalties of all hypotheses of the pixels of one row, or of a part of one.
 class PenaltyRow {
  public:
-  PenaltyRow(View view, const cv::Range& columns, const DisparityRange& range, int width,
-             const Penalties& penalties)
-      : first_column_(columns.start),
-        width_(width),
-        penalties_(penalties),
-        other_edges_(view, columns, range) {
+  void resize(const PathSetup& setup, const cv::Range& columns, const Penalties& penalties) {
+    first_column_ = columns.start;
+    width_ = setup.width;
+    penalties_ = penalties;
+    other_edges_.resize(setup.view, columns, setup.range);
     for (std::size_t edge = 0; edge < 2; ++edge) {
       p1_[edge].resize(other_edges_.size());
       p2_[edge].resize(other_edges_.size());
@@ -313,9 +340,9 @@ class PenaltyRow {
     }
   }
 
-  int first_column_;
-  int width_;
-  const Penalties& penalties_;
+  int first_column_ = 0;
+  int width_ = 0;
+  Penalties penalties_{};
   MatchingRow<std::uint8_t> other_edges_;
   Table p1_;
   Table p2_;
@@ -324,17 +351,19 @@ class PenaltyRow {
 /// Memory of neighbouring paths of one direction.
 class PathFront {
  public:
-  PathFront(int paths, int disparities)
-      : stride_((disparities + kLine) / kLine * kLine),
-        lowest_(paths),
-        previous_(kLine + paths * stride_, kGuard),
-        current_(previous_) {}
+  void resize(int paths, int disparities) {
+    stride_ = (disparities + kLine) / kLine * kLine;
+    disparities_ = disparities;
+    lowest_.resize(paths);
+    previous_.assign(kLine + paths * stride_, kGuard);
+    current_.assign(previous_.size(), kGuard);
+  }
 
   /// Starts anew with all costs zero, from which the first step leads to L_r = C.
-  void reset(int disparities) {
+  void reset() {
     for (std::size_t i = 0; i < lowest_.size(); ++i) {
-      std::fill_n(previous_.begin() + kLine + static_cast<std::ptrdiff_t>(i) * stride_, disparities,
-                  PathCost{0});
+      std::fill_n(previous_.begin() + kLine + static_cast<std::ptrdiff_t>(i) * stride_,
+                  disparities_, PathCost{0});
     }
     std::fill(lowest_.begin(), lowest_.end(), PathCost{0});
   }
@@ -351,62 +380,44 @@ class PathFront {
   static constexpr std::ptrdiff_t kLine = 64 / sizeof(PathCost);
   using Costs = std::vector<PathCost, CacheLineAllocator<PathCost>>;
 
-  std::ptrdiff_t stride_;  // leaves at least one guard behind the costs
+  std::ptrdiff_t stride_ = 0;  // leaves at least one guard behind the costs
+  int disparities_ = 0;
   std::vector<PathCost> lowest_;
   Costs previous_;
   Costs current_;
 };
 
-/// What all paths have in common.
 template <typename Cost>
-struct Inputs {
-  Inputs(const Volume<Cost>& all_costs, const EdgeImages& images, View reference_view,
-         const DisparityRange& disparities, const SgmOptions& options)
-      : costs(all_costs),
-        view(reference_view),
-        range(disparities),
-        reference(findEdges(images.reference, images.reference_threshold_grey)),
-        other(findEdges(images.other, images.other_threshold_grey)),
-        horizontal(makePenalties(options, 1.0)),
-        vertical(makePenalties(options, options.alpha1)) {}
-
-  PathPixels<Cost> pixels(int y, const cv::Range& columns, OptimizedVolume& sums) const {
-    return {costs.pixel(y, columns.start), sums.pixel(y, columns.start), columns.size(),
-            range.count};
-  }
-
-  const Volume<Cost>& costs;
-  const View view;
-  const DisparityRange range;
-  const EdgeMaps reference;
-  const EdgeMaps other;
-  const Penalties horizontal;
-  const Penalties vertical;
-};
+PathPixels<Cost> pixelsOf(const Volume<Cost>& costs, int y, const cv::Range& columns,
+                          OptimizedVolume& sums) {
+  return {costs.pixel(y, columns.start), sums.pixel(y, columns.start), columns.size(),
+          costs.disparities()};
+}
 
 /// The paths along rows.
-template <typename Cost>
 class RowPaths {
  public:
-  explicit RowPaths(const Inputs<Cost>& inputs)
-      : inputs_(inputs),
-        columns_(0, inputs.costs.width()),
-        from_left_(inputs.view, columns_, inputs.range, columns_.end, inputs.horizontal),
-        from_right_(from_left_),
-        front_(2, inputs.range.count) {}
+  void resize(const PathSetup& setup) {
+    setup_ = &setup;
+    columns_ = cv::Range(0, setup.width);
+    from_left_.resize(setup, columns_, setup.horizontal);
+    from_right_.resize(setup, columns_, setup.horizontal);
+    front_.resize(2, setup.range.count);
+  }
 
   /// Sets the sums of a row.
-  void run(int y, OptimizedVolume& sums) {
+  template <typename Cost>
+  void run(const Volume<Cost>& costs, int y, OptimizedVolume& sums) {
     // An edge is stored at the right one of two pixels.
-    const auto* reference = inputs_.reference.horizontal.template ptr<std::uint8_t>(y);
-    const auto* other = inputs_.other.horizontal.template ptr<std::uint8_t>(y);
-    front_.reset(inputs_.range.count);
-    setRow(inputs_.pixels(y, columns_, sums), from_left_.fill(reference, other),
+    const auto* reference = setup_->reference.horizontal.ptr<std::uint8_t>(y);
+    const auto* other = setup_->other.horizontal.ptr<std::uint8_t>(y);
+    front_.reset();
+    setRow(pixelsOf(costs, y, columns_, sums), from_left_.fill(reference, other),
            from_right_.fill(reference + 1, other + 1), front_.ends());
   }
 
  private:
-  const Inputs<Cost>& inputs_;
+  const PathSetup* setup_ = nullptr;
   cv::Range columns_;
   PenaltyRow from_left_;
   PenaltyRow from_right_;
@@ -414,30 +425,31 @@ class RowPaths {
 };
 
 /// The paths along some neighbouring columns, first from above, then from below.
-template <typename Cost>
 class ColumnPaths {
  public:
-  ColumnPaths(const Inputs<Cost>& inputs, const cv::Range& columns)
-      : inputs_(inputs),
-        columns_(columns),
-        penalties_(inputs.view, columns, inputs.range, inputs.costs.width(), inputs.vertical),
-        front_(columns.size(), inputs.range.count) {
-    front_.reset(inputs.range.count);
+  void resize(const PathSetup& setup, const cv::Range& columns) {
+    setup_ = &setup;
+    columns_ = columns;
+    penalties_.resize(setup, columns, setup.vertical);
+    front_.resize(columns.size(), setup.range.count);
+    front_.reset();
   }
 
   /// Adds the paths from above to the sums of the next rows.
-  void runDown(const cv::Range& rows, OptimizedVolume& sums) {
+  template <typename Cost>
+  void runDown(const Volume<Cost>& costs, const cv::Range& rows, OptimizedVolume& sums) {
     for (int y = rows.start; y < rows.end; ++y) {
-      addColumns(inputs_.pixels(y, columns_, sums), fillPenalties(y), front_.ends());
+      addColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y), front_.ends());
       front_.advance();
     }
   }
 
   /// Adds the paths from below to the sums of all rows and turns these to means.
-  void runUp(OptimizedVolume& sums) {
-    front_.reset(inputs_.range.count);
-    for (int y = inputs_.costs.height() - 1; y >= 0; --y) {
-      averageColumns(inputs_.pixels(y, columns_, sums), fillPenalties(y + 1), front_.ends());
+  template <typename Cost>
+  void runUp(const Volume<Cost>& costs, OptimizedVolume& sums) {
+    front_.reset();
+    for (int y = costs.height() - 1; y >= 0; --y) {
+      averageColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y + 1), front_.ends());
       front_.advance();
     }
   }
@@ -445,63 +457,88 @@ class ColumnPaths {
  private:
   /// Of the edge between the rows `lower` and `lower` − 1.
   RowPenalties fillPenalties(int lower) {
-    return penalties_.fill(inputs_.reference.vertical.template ptr<std::uint8_t>(lower),
-                           inputs_.other.vertical.template ptr<std::uint8_t>(lower));
+    return penalties_.fill(setup_->reference.vertical.ptr<std::uint8_t>(lower),
+                           setup_->other.vertical.ptr<std::uint8_t>(lower));
   }
 
-  const Inputs<Cost>& inputs_;
+  const PathSetup* setup_ = nullptr;
   cv::Range columns_;
   PenaltyRow penalties_;
   PathFront front_;
 };
 
-/// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
-/// columns, while the band is still in the cache; upwards along the columns.
-template <typename Cost>
-void addPaths(const Inputs<Cost>& inputs, OptimizedVolume& sums) {
-  const int width = inputs.costs.width();
-  const int height = inputs.costs.height();
-  std::vector<ColumnPaths<Cost>> blocks;
-  for (int x = 0; x < width; x += kColumnsPerBlock) {
-    blocks.emplace_back(inputs, cv::Range(x, std::min(x + kColumnsPerBlock, width)));
-  }
-  tbb::enumerable_thread_specific<RowPaths<Cost>> row_paths(std::cref(inputs));
-  const int band_rows = kRowsPerThread * tbb::this_task_arena::max_concurrency();
-  for (int first = 0; first < height; first += band_rows) {
-    const cv::Range band(first, std::min(first + band_rows, height));
-    tbb::parallel_for(band.start, band.end, [&](int y) { row_paths.local().run(y, sums); });
-    tbb::parallel_for(std::size_t{0}, blocks.size(),
-                      [&](std::size_t i) { blocks[i].runDown(band, sums); });
-  }
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) { blocks[i].runUp(sums); });
-}
-
-template <typename Cost>
-void match(const Volume<Cost>& costs, const EdgeImages& images, View view,
-           const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean) {
-  const cv::Size size(costs.width(), costs.height());
-  CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
-  CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
-  CV_Assert(costs.disparities() == range.count);
-  checkOptions(options);
-
-  mean.resize(costs.height(), costs.width(), costs.disparities());
-  addPaths(Inputs<Cost>(costs, images, view, range, options), mean);
-}
-
 }  // namespace
 
-void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
-                        const DisparityRange& range, const SgmOptions& options,
-                        OptimizedVolume& mean) {
+class SemiGlobalMatcher::Impl {
+ public:
+  template <typename Cost>
+  void match(const Volume<Cost>& costs, const EdgeImages& images, View view,
+             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean) {
+    const cv::Size size(costs.width(), costs.height());
+    CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
+    CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
+    CV_Assert(costs.disparities() == range.count);
+    checkOptions(options);
+
+    mean.resize(costs.height(), costs.width(), costs.disparities());
+    setup_.view = view;
+    setup_.range = range;
+    setup_.width = size.width;
+    setup_.height = size.height;
+    setup_.horizontal = makePenalties(options, 1.0);
+    setup_.vertical = makePenalties(options, options.alpha1);
+    findEdges(images.reference, images.reference_threshold_grey, setup_.reference);
+    findEdges(images.other, images.other_threshold_grey, setup_.other);
+    preparePaths();
+    addPaths(costs, mean);
+  }
+
+ private:
+  void preparePaths() {
+    const int width = setup_.width;
+    blocks_.resize((width + kColumnsPerBlock - 1) / kColumnsPerBlock);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const int x = static_cast<int>(i) * kColumnsPerBlock;
+      blocks_[i].resize(setup_, cv::Range(x, std::min(x + kColumnsPerBlock, width)));
+    }
+    rows_.prepare([&](RowPaths& paths) { paths.resize(setup_); });
+  }
+
+  /// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
+  /// columns, while the band is still in the cache; upwards along the columns.
+  template <typename Cost>
+  void addPaths(const Volume<Cost>& costs, OptimizedVolume& sums) {
+    const int height = setup_.height;
+    const int band_rows = kRowsPerThread * static_cast<int>(threadCount());
+    for (int first = 0; first < height; first += band_rows) {
+      const cv::Range band(first, std::min(first + band_rows, height));
+      tbb::parallel_for(band.start, band.end, [&](int y) { rows_.local().run(costs, y, sums); });
+      tbb::parallel_for(std::size_t{0}, blocks_.size(),
+                        [&](std::size_t i) { blocks_[i].runDown(costs, band, sums); });
+    }
+    tbb::parallel_for(std::size_t{0}, blocks_.size(),
+                      [&](std::size_t i) { blocks_[i].runUp(costs, sums); });
+  }
+
+  PathSetup setup_;
+  std::vector<ColumnPaths> blocks_;
+  PerThread<RowPaths> rows_;
+};
+
+SemiGlobalMatcher::SemiGlobalMatcher() : impl_(std::make_unique<Impl>()) {}
+SemiGlobalMatcher::~SemiGlobalMatcher() = default;
+
+void SemiGlobalMatcher::match(const OptimizedVolume& costs, const EdgeImages& images, View view,
+                              const DisparityRange& range, const SgmOptions& options,
+                              OptimizedVolume& mean) {
   CV_Assert(&costs != &mean);
-  match(costs, images, view, range, options, mean);
+  impl_->match(costs, images, view, range, options, mean);
 }
 
-void semiGlobalMatching(const MatchingVolume& costs, const EdgeImages& images, View view,
-                        const DisparityRange& range, const SgmOptions& options,
-                        OptimizedVolume& mean) {
-  match(costs, images, view, range, options, mean);
+void SemiGlobalMatcher::match(const MatchingVolume& costs, const EdgeImages& images, View view,
+                              const DisparityRange& range, const SgmOptions& options,
+                              OptimizedVolume& mean) {
+  impl_->match(costs, images, view, range, options, mean);
 }
 
 int sgmCostBound(const SgmOptions& options) {

@@ -1,13 +1,12 @@
 #include "cbmv_stereo/optimization/support_arms.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/error.h"
@@ -15,79 +14,74 @@
 namespace cbmv {
 namespace {
 
-/// Arms of a row of pixels in one direction, all at once: each step looks at the neighbours of the
-/// whole row, which the compiler turns into vectors.
-class ArmRow {
- public:
-  explicit ArmRow(int width) : growing_(width), lengths_(width) {}
+/// Pixels of a row whose arms grow at once: each step looks at the neighbours of them all, which
+/// the compiler turns into vectors.
+constexpr int kBlock = 256;
 
+/// Arms of a block of pixels in one direction.
+class BlockArms {
+ public:
   /// `centres` is the row; neighbours lie `stride` elements apart. `inside(k)` are the columns
   /// whose k-th neighbour lies inside of the image. Arms take in neighbours that differ by at most
   /// `largest_step` grey levels.
   template <typename Inside>
-  void grow(const std::uint8_t* centres, std::ptrdiff_t stride, int reach, int largest_step,
-            const Inside& inside) {
-    std::fill(growing_.begin(), growing_.end(), std::uint8_t{1});
-    std::fill(lengths_.begin(), lengths_.end(), std::uint8_t{0});
+  void grow(const std::uint8_t* centres, const cv::Range& block, std::ptrdiff_t stride, int reach,
+            int largest_step, const Inside& inside) {
+    growing_.fill(1);
+    lengths_.fill(0);
     bool any = true;
     for (int k = 1; k <= reach && any; ++k) {
-      any =
-          takeIn(centres, centres + k * stride, inside(k), static_cast<std::uint8_t>(largest_step));
+      const cv::Range columns = inside(k) & block;
+      any = !columns.empty() &&
+            takeIn(centres + columns.start, k * stride, columns.size(), columns.start - block.start,
+                   static_cast<std::uint8_t>(largest_step));
     }
   }
 
-  std::uint8_t length(int x) const { return lengths_[x]; }
+  std::uint8_t length(int i) const { return lengths_[i]; }
 
  private:
   /// Whether any arm still grows.
-  bool takeIn(const std::uint8_t* centres, const std::uint8_t* neighbours, const cv::Range& columns,
+  bool takeIn(const std::uint8_t* centres, std::ptrdiff_t distance, int count, int first,
               std::uint8_t largest_step) {
-    std::uint8_t* growing = growing_.data();
-    std::uint8_t* lengths = lengths_.data();
+    const std::uint8_t* neighbours = centres + distance;
+    std::uint8_t* growing = growing_.data() + first;
+    std::uint8_t* lengths = lengths_.data() + first;
     std::uint8_t any = 0;
-    for (int x = columns.start; x < columns.end; ++x) {
-      const std::uint8_t low = std::min(centres[x], neighbours[x]);
-      const std::uint8_t high = std::max(centres[x], neighbours[x]);
+    for (int i = 0; i < count; ++i) {
+      const std::uint8_t low = std::min(centres[i], neighbours[i]);
+      const std::uint8_t high = std::max(centres[i], neighbours[i]);
       const auto step = static_cast<std::uint8_t>(high - low);
-      growing[x] = step <= largest_step ? growing[x] : 0;
-      lengths[x] = static_cast<std::uint8_t>(lengths[x] + growing[x]);
-      any |= growing[x];
+      growing[i] = step <= largest_step ? growing[i] : 0;
+      lengths[i] = static_cast<std::uint8_t>(lengths[i] + growing[i]);
+      any |= growing[i];
     }
     return any != 0;
   }
 
-  std::vector<std::uint8_t> growing_;  // 1 or 0
-  std::vector<std::uint8_t> lengths_;
+  std::array<std::uint8_t, kBlock> growing_{};  // 1 or 0
+  std::array<std::uint8_t, kBlock> lengths_{};
 };
 
-/// The four arms of the pixels of a row.
-class ArmsOfRow {
- public:
-  ArmsOfRow(const cv::Mat& image, int reach, int largest_step)
-      : image_(image), reach_(reach), largest_step_(largest_step), arms_(4, ArmRow(image.cols)) {}
-
-  void compute(int y, cv::Vec4b* out) {
-    const auto stride = static_cast<std::ptrdiff_t>(image_.step1());
-    const auto* centres = image_.ptr<std::uint8_t>(y);
-    const int width = image_.cols;
-    const auto all = [width](int) { return cv::Range(0, width); };
-    arms_[0].grow(centres, -1, std::min(reach_, width), largest_step_,
-                  [width](int k) { return cv::Range(k, width); });
-    arms_[1].grow(centres, 1, std::min(reach_, width), largest_step_,
-                  [width](int k) { return cv::Range(0, width - k); });
-    arms_[2].grow(centres, -stride, std::min(reach_, y), largest_step_, all);
-    arms_[3].grow(centres, stride, std::min(reach_, image_.rows - 1 - y), largest_step_, all);
-    for (int x = 0; x < width; ++x) {
-      out[x] = {arms_[0].length(x), arms_[1].length(x), arms_[2].length(x), arms_[3].length(x)};
-    }
+/// The four arms of the pixels `block` of row y.
+void computeBlock(const cv::Mat& image, int y, const cv::Range& block, int reach, int largest_step,
+                  cv::Vec4b* out) {
+  const auto stride = static_cast<std::ptrdiff_t>(image.step1());
+  const auto* centres = image.ptr<std::uint8_t>(y);
+  const int width = image.cols;
+  const auto all = [width](int) { return cv::Range(0, width); };
+  std::array<BlockArms, 4> arms;  // left, right, up, down
+  arms[0].grow(centres, block, -1, reach, largest_step,
+               [width](int k) { return cv::Range(std::min(k, width), width); });
+  arms[1].grow(centres, block, 1, reach, largest_step,
+               [width](int k) { return cv::Range(0, std::max(width - k, 0)); });
+  arms[2].grow(centres, block, -stride, std::min(reach, y), largest_step, all);
+  arms[3].grow(centres, block, stride, std::min(reach, image.rows - 1 - y), largest_step, all);
+  for (int i = 0; i < block.size(); ++i) {
+    out[block.start + i] = {arms[0].length(i), arms[1].length(i), arms[2].length(i),
+                            arms[3].length(i)};
   }
-
- private:
-  const cv::Mat& image_;
-  int reach_;
-  int largest_step_;
-  std::vector<ArmRow> arms_;  // left, right, up, down
-};
+}
 
 }  // namespace
 
@@ -102,10 +96,10 @@ void computeSupportArms(const cv::Mat& grey, int max_length, float threshold_gre
   // A whole number is below the threshold exactly when it is below the threshold rounded up.
   const int threshold = static_cast<int>(std::ceil(std::min(threshold_grey, 256.0F)));
   const int reach = threshold > 0 ? max_length - 1 : 0;
-  tbb::parallel_for(tbb::blocked_range<int>(0, image.rows), [&](const auto& rows) {
-    ArmsOfRow arms_of_row(image, reach, threshold - 1);
-    for (int y = rows.begin(); y != rows.end(); ++y) {
-      arms_of_row.compute(y, arms.ptr<cv::Vec4b>(y));
+  tbb::parallel_for(0, image.rows, [&](int y) {
+    for (int x = 0; x < image.cols; x += kBlock) {
+      computeBlock(image, y, {x, std::min(x + kBlock, image.cols)}, reach, threshold - 1,
+                   arms.ptr<cv::Vec4b>(y));
     }
   });
 }

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -70,26 +69,26 @@ void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t
 /// The winners of the right image's row from the costs of the left one's; right to left, so that
 /// the smallest hypothesis that matches a right pixel comes last. `lowest` and `winners` hold the
 /// right pixels from right to left, for in this order a left pixel's hypotheses match them.
-void findWinnersAcross(const std::uint16_t* costs, int disparities, const cv::Range* inside,
-                       int columns, int lowest_disparity, std::uint16_t* lowest,
-                       std::uint16_t* winners) {
+void findWinnersAcross(const std::uint16_t* costs, const DisparityRange& range, int columns,
+                       std::uint16_t* lowest, std::uint16_t* winners) {
   for (int x = columns - 1; x >= 0; --x) {
-    const int start = inside[x].start;
-    const int match = columns - 1 - x + lowest_disparity + start;
-    takeCheaper(costs + static_cast<std::ptrdiff_t>(x) * disparities + start, start,
-                inside[x].end - start, lowest + match, winners + match);
+    const cv::Range inside = insideDisparities(View::kLeft, range, x, columns);
+    const int match = columns - 1 - x + range.min + inside.start;
+    takeCheaper(costs + static_cast<std::ptrdiff_t>(x) * range.count + inside.start, inside.start,
+                inside.size(), lowest + match, winners + match);
   }
 }
 
-/// The cheapest of the hypotheses inside[x] of each pixel, or `invalid` where there are none.
-void findWinners(const std::uint16_t* costs, int disparities, const cv::Range* inside, int columns,
-                 float lowest_disparity, float invalid, float* winners) {
-  for (int x = 0; x < columns; ++x, costs += disparities) {
-    const int start = inside[x].start;
-    const int count = inside[x].end - start;
-    winners[x] = count > 0 ? lowest_disparity +
-                                 static_cast<float>(start + findCheapest(costs + start, count))
-                           : invalid;
+/// The cheapest disparity of each pixel of a row.
+void findWinners(const std::uint16_t* costs, View view, const DisparityRange& range, int columns,
+                 float* winners) {
+  for (int x = 0; x < columns; ++x, costs += range.count) {
+    const cv::Range inside = insideDisparities(view, range, x, columns);
+    const int start = inside.start;
+    winners[x] =
+        inside.empty()
+            ? range.invalid()
+            : static_cast<float>(range.min + start + findCheapest(costs + start, inside.size()));
   }
 }
 
@@ -105,28 +104,7 @@ namespace {
 HWY_EXPORT(findWinners);
 HWY_EXPORT(findWinnersAcross);
 
-/// Of each column of a row.
-std::vector<cv::Range> insideOfRow(View view, const DisparityRange& range, int width) {
-  std::vector<cv::Range> inside;
-  for (int x = 0; x < width; ++x) {
-    inside.push_back(insideDisparities(view, range, x, width));
-  }
-  return inside;
-}
-
-/// Winners of the pixels of a row of the right image, from right to left.
-struct RowAcross {
-  static constexpr std::uint16_t kNone = 0xffff;
-
-  void reset(int width) {
-    const std::size_t size = width + kReadableBytesBeyond / sizeof(std::uint16_t);
-    lowest.assign(size, 0xffff);
-    winners.assign(size, kNone);
-  }
-
-  std::vector<std::uint16_t> lowest;
-  std::vector<std::uint16_t> winners;
-};
+constexpr std::uint16_t kNone = 0xffff;  // no winner
 
 }  // namespace
 
@@ -134,36 +112,36 @@ void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRang
                     cv::Mat& disparity) {
   CV_Assert(costs.disparities() == range.count);
   disparity.create(costs.height(), costs.width(), CV_32FC1);
-  const std::vector<cv::Range> inside = insideOfRow(view, range, costs.width());
   tbb::parallel_for(tbb::blocked_range<int>(0, costs.height()), [&](const auto& rows) {
     for (int y = rows.begin(); y != rows.end(); ++y) {
       HWY_DYNAMIC_DISPATCH(findWinners)
-      (costs.row(y), range.count, inside.data(), costs.width(), static_cast<float>(range.min),
-       range.invalid(), disparity.ptr<float>(y));
+      (costs.row(y), view, range, costs.width(), disparity.ptr<float>(y));
     }
   });
 }
 
 void winnerTakesAllAcross(const OptimizedVolume& left_costs, const DisparityRange& range,
-                          cv::Mat& right_disparity) {
+                          PerThread<RowAcross>& scratch, cv::Mat& right_disparity) {
   CV_Assert(left_costs.disparities() == range.count);
   const int width = left_costs.width();
   right_disparity.create(left_costs.height(), width, CV_32FC1);
-  const std::vector<cv::Range> inside = insideOfRow(View::kLeft, range, width);
-  tbb::parallel_for(tbb::blocked_range<int>(0, left_costs.height()), [&](const auto& rows) {
-    RowAcross row;
-    for (int y = rows.begin(); y != rows.end(); ++y) {
-      row.reset(width);
-      HWY_DYNAMIC_DISPATCH(findWinnersAcross)
-      (left_costs.row(y), range.count, inside.data(), width, range.min, row.lowest.data(),
-       row.winners.data());
-      std::transform(row.winners.begin(), row.winners.begin() + width,
-                     std::make_reverse_iterator(right_disparity.ptr<float>(y) + width),
-                     [&range](std::uint16_t winner) {
-                       return winner == RowAcross::kNone ? range.invalid()
-                                                         : static_cast<float>(range.min + winner);
-                     });
-    }
+  const std::size_t size = width + kReadableBytesBeyond / sizeof(std::uint16_t);
+  scratch.prepare([size](RowAcross& row) {
+    row.lowest.resize(size);
+    row.winners.resize(size);
+  });
+  tbb::parallel_for(0, left_costs.height(), [&](int y) {
+    RowAcross& row = scratch.local();
+    std::fill(row.lowest.begin(), row.lowest.end(), 0xffff);
+    std::fill(row.winners.begin(), row.winners.end(), kNone);
+    HWY_DYNAMIC_DISPATCH(findWinnersAcross)
+    (left_costs.row(y), range, width, row.lowest.data(), row.winners.data());
+    std::transform(row.winners.begin(), row.winners.begin() + width,
+                   std::make_reverse_iterator(right_disparity.ptr<float>(y) + width),
+                   [&range](std::uint16_t winner) {
+                     return winner == kNone ? range.invalid()
+                                            : static_cast<float>(range.min + winner);
+                   });
   });
 }
 

@@ -1,7 +1,9 @@
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <tbb/parallel_for.h>
@@ -17,6 +19,7 @@
 #include "cbmv_stereo/refinement/interpolation.h"
 #include "cbmv_stereo/refinement/median_filter.h"
 #include "cbmv_stereo/refinement/subpixel.h"
+#include "cbmv_stereo/volume/per_thread.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
 namespace cbmv {
@@ -46,6 +49,20 @@ void readConfidence(const MatchingVolume& volume, const cv::Mat& winners,
   });
 }
 
+/// Takes the disparity and half of the confidence from the pixels that failed the check.
+void markUnmatched(StereoResult& result, float invalid) {
+  tbb::parallel_for(0, result.labels.rows, [&](int y) {
+    const auto* labels = result.labels.ptr<std::uint8_t>(y);
+    auto* disparity = result.disparity.ptr<float>(y);
+    auto* confidence = result.confidence.ptr<float>(y);
+    for (int x = 0; x < result.labels.cols; ++x) {
+      const bool failed = labels[x] != kMatch;
+      disparity[x] = failed ? invalid : disparity[x];
+      confidence[x] *= failed ? 0.5F : 1.0F;
+    }
+  });
+}
+
 }  // namespace
 
 class DisparityEstimator::Impl {
@@ -60,12 +77,11 @@ class DisparityEstimator::Impl {
       prepare(right, right_);
     }
     optimize(View::kLeft, volume, result.times);
-    cv::Mat winners;
     {
       const Stopwatch watch(result.times.refinement_ms);
-      winnerTakesAll(*optimized_, View::kLeft, options_.range, winners);
-      readConfidence(volume, winners, options_.range, result.confidence);
-      result.disparity = winners.clone();
+      winnerTakesAll(*optimized_, View::kLeft, options_.range, winners_);
+      readConfidence(volume, winners_, options_.range, result.confidence);
+      winners_.copyTo(result.disparity);
       if (options_.refinement.subpixel) {
         refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
       }
@@ -74,10 +90,10 @@ class DisparityEstimator::Impl {
       matchRightView(volume, result);
     } else if (options_.refinement.left_right_check) {
       const Stopwatch watch(result.times.refinement_ms);
-      winnerTakesAllAcross(*optimized_, options_.range, result.right_disparity);
+      winnerTakesAllAcross(*optimized_, options_.range, across_rows_, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
-    refine(winners, result);
+    refine(result);
   }
 
  private:
@@ -91,7 +107,7 @@ class DisparityEstimator::Impl {
   void matchRightView(MatchingVolume& volume, StereoResult& result) {
     {
       const Stopwatch watch(result.times.volume_ms);
-      shiftToRightView(options_.range, volume);
+      shiftToRightView(options_.range, volume, shift_rows_);
     }
     optimize(View::kRight, volume, result.times);
     const Stopwatch watch(result.times.refinement_ms);
@@ -121,7 +137,7 @@ class DisparityEstimator::Impl {
     for (int i = 0; i < options_.sgm.iterations; ++i) {
       const Stopwatch watch(times.sgm_ms);
       apply([&](const auto& costs, OptimizedVolume& mean) {
-        semiGlobalMatching(costs, edges, view, options_.range, options_.sgm, mean);
+        sgm_.match(costs, edges, view, options_.range, options_.sgm, mean);
       });
     }
     aggregate(options_.aggregation.iterations_after, view, reference, other, times);
@@ -134,10 +150,10 @@ class DisparityEstimator::Impl {
                  const PreparedImage& other, StageTimes& times) {
     const Stopwatch watch(times.aggregation_ms);
     const int max_cost = sgmCostBound(options_.sgm);
+    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
     for (int i = 0; i < iterations; ++i) {
       apply([&](const auto& costs, OptimizedVolume& aggregated) {
-        aggregateCosts(costs, max_cost, reference.arms, other.arms, view, options_.range,
-                       aggregated);
+        aggregator_.aggregate(costs, max_cost, arms, view, options_.range, aggregated);
       });
     }
   }
@@ -157,27 +173,26 @@ class DisparityEstimator::Impl {
 
   /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
   /// neighbours.
-  void refine(const cv::Mat& winners, StereoResult& result) {
+  void refine(StereoResult& result) {
     const RefinementOptions& options = options_.refinement;
     const DisparityRange& range = options_.range;
-    result.labels = cv::Mat(winners.size(), CV_8UC1, cv::Scalar(kMatch));
     if (options.left_right_check) {
-      leftRightCheck(winners, result.right_disparity, range, options.max_left_right_difference_px,
+      leftRightCheck(winners_, result.right_disparity, range, options.max_left_right_difference_px,
                      result.labels);
       replaceUnmatched(result);
+    } else {
+      result.right_disparity.release();
+      result.labels.create(winners_.size(), CV_8UC1);
+      result.labels.setTo(kMatch);
     }
-    cv::Mat filtered;
-    medianFilter(result.disparity, range, options.median_size_px, filtered);
-    bilateralFilter(filtered, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
-                    result.disparity);
+    medianFilter(result.disparity, range, options.median_size_px, median_padded_, filtered_);
+    bilateralFilter(filtered_, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
+                    bilateral_padded_, result.disparity);
   }
 
   void replaceUnmatched(StereoResult& result) const {
     const RefinementOptions& options = options_.refinement;
-    const cv::Mat failed = result.labels != kMatch;
-    cv::Mat halved = 0.5 * result.confidence;
-    halved.copyTo(result.confidence, failed);
-    result.disparity.setTo(options_.range.invalid(), failed);
+    markUnmatched(result, options_.range.invalid());
     if (options.fill_occlusions) {
       fillOcclusions(result.labels, options_.range, result.disparity);
     }
@@ -194,6 +209,16 @@ class DisparityEstimator::Impl {
   OptimizedVolume* optimized_ = &first_;
   OptimizedVolume* spare_ = &second_;
   const MatchingVolume* matching_costs_ = nullptr;  ///< the costs, until a stage has replaced them
+  cv::Mat winners_;                                 ///< of the left view, whole pixels
+  cv::Mat filtered_;
+
+  // Memory of the stages.
+  SemiGlobalMatcher sgm_;
+  CostAggregator aggregator_;
+  PerThread<std::vector<std::uint8_t>> shift_rows_;
+  PerThread<RowAcross> across_rows_;
+  cv::Mat median_padded_;
+  cv::Mat bilateral_padded_;
 };
 
 DisparityEstimator::DisparityEstimator() : impl_(std::make_unique<Impl>()) {}

@@ -91,6 +91,9 @@ void addMatchingParameters(ParameterTable& table) {
       "disparity_range", "px", 1, 4096, [](Options& o) -> int& { return o.range.count; },
       "Number of disparities that are tested, from min_disparity on");
   table.add(
+      "max_memory_mb", "MB", 0, 100000, [](Options& o) -> int& { return o.max_memory_mb; },
+      "Memory that a pair may take; larger images or ranges are refused; 0: no bound");
+  table.add(
       "refine_rectification", "", 0, 1, [](Options& o) -> bool& { return o.rectification.enabled; },
       "Estimate and remove the vertical offset that is left between the images");
   table.add(

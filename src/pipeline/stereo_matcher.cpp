@@ -12,6 +12,7 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
@@ -42,6 +43,13 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
   }
 }
 
+void requireMemory(const cv::Size& size, const StereoOptions& options) {
+  const std::string refusal = memoryRefusal(size, options);
+  if (!refusal.empty()) {
+    throw Error(refusal);
+  }
+}
+
 }  // namespace
 
 class StereoMatcher::Impl {
@@ -60,11 +68,13 @@ class StereoMatcher::Impl {
         options.threads > 0 ? options.threads : static_cast<int>(tbb::task_arena::automatic));
   }
 
-  StereoResult match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset) {
+  void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
+             StereoResult& result) {
     requirePair(left, right);
-    StereoResult result;
+    requireMemory(left.size(), options_);
+    result.times = {};
+    result.rectification = {};
     arena_->execute([&] { run(left, right, offset, result); });
-    return result;
   }
 
  private:
@@ -80,7 +90,7 @@ class StereoMatcher::Impl {
   }
 
   cv::Mat alignPair(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
-                    StereoResult& result) const {
+                    StereoResult& result) {
     const Stopwatch watch(result.times.rectification_ms);
     if (!options_.rectification.enabled) {
       return right;
@@ -88,13 +98,14 @@ class StereoMatcher::Impl {
     result.rectification = offset != nullptr ? *offset
                                              : estimateVerticalOffset(left, right, options_.range,
                                                                       options_.rectification);
-    return alignRightRows(right, result.rectification);
+    return alignRightRows(right, result.rectification, aligned_);
   }
 
   std::shared_ptr<const Forest> forest_;
   ForestEvaluator evaluator_;
   StereoOptions options_;
   std::unique_ptr<tbb::task_arena> arena_;
+  cv::Mat aligned_;
   VolumeBuilder builder_;
   MatchingVolume volume_;
   DisparityEstimator estimator_;
@@ -109,12 +120,21 @@ const StereoOptions& StereoMatcher::options() const { return impl_->options(); }
 void StereoMatcher::setOptions(const StereoOptions& options) { impl_->setOptions(options); }
 
 StereoResult StereoMatcher::match(const cv::Mat& left, const cv::Mat& right) {
-  return impl_->match(left, right, nullptr);
+  StereoResult result;
+  impl_->match(left, right, nullptr, result);
+  return result;
 }
 
 StereoResult StereoMatcher::match(const cv::Mat& left, const cv::Mat& right,
                                   const VerticalOffset& offset) {
-  return impl_->match(left, right, &offset);
+  StereoResult result;
+  match(left, right, offset, result);
+  return result;
+}
+
+void StereoMatcher::match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset& offset,
+                          StereoResult& result) {
+  impl_->match(left, right, &offset, result);
 }
 
 }  // namespace cbmv

@@ -1,11 +1,13 @@
 #include "cbmv_stereo/rectification/vertical_offset.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Dense>
-#include <opencv2/imgproc.hpp>
+#include <tbb/parallel_for.h>
 
 #include "sparse_matches.h"
 
@@ -115,6 +117,47 @@ bool isSignificant(const LinearFit& fit) {
   return fit.parameters.dot(fit.covariance.ldlt().solve(fit.parameters)) > kSignificance;
 }
 
+constexpr int kSteps = 32;             // places between two rows
+constexpr int kWeightUnits = 1 << 15;  // what the weights of a place add up to
+
+/// Weights of the rows −1, 0, 1 and 2 from the one above, by place.
+using CubicWeights = std::array<std::array<int, 4>, kSteps>;
+
+CubicWeights cubicWeights() {
+  constexpr double a = -0.75;
+  const auto outer = [](double t) { return a * t * (t - 1) * (t - 1); };
+  const auto inner = [](double t) { return ((a + 2) * t - (a + 3)) * t * t + 1; };
+  const auto in_units = [](double weight) {
+    return static_cast<int>(std::lround(kWeightUnits * weight));
+  };
+  CubicWeights weights{};
+  for (int step = 0; step < kSteps; ++step) {
+    const double t = static_cast<double>(step) / kSteps;
+    weights[step] = {in_units(outer(t)), in_units(inner(t)), in_units(inner(1 - t)),
+                     in_units(outer(1 - t))};
+  }
+  return weights;
+}
+
+/// The image in column x at `row`, of each channel.
+void resamplePixel(const cv::Mat& image, int x, float row, const CubicWeights& weights,
+                   std::uint8_t* out) {
+  const int place = static_cast<int>(std::lrint(row * kSteps));
+  const int step = place & (kSteps - 1);
+  const int above = (place - step) / kSteps;
+  std::array<const std::uint8_t*, 4> pixels{};
+  for (int k = 0; k < 4; ++k) {
+    pixels[k] = image.ptr(std::clamp(above - 1 + k, 0, image.rows - 1)) + x * image.channels();
+  }
+  for (int channel = 0; channel < image.channels(); ++channel) {
+    int sum = kWeightUnits / 2;
+    for (int k = 0; k < 4; ++k) {
+      sum += weights[step][k] * pixels[k][channel];
+    }
+    out[channel] = static_cast<std::uint8_t>(std::clamp(sum / kWeightUnits, 0, 255));
+  }
+}
+
 VerticalOffset toModel(const LinearFit& fit, const cv::Size& size) {
   VerticalOffset model;
   model.offset_px = fit.parameters[0];
@@ -170,21 +213,25 @@ VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
   return model;
 }
 
-cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model) {
+cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model, cv::Mat& aligned) {
   if (model.isZero()) {
     return right;
   }
-  cv::Mat columns(right.size(), CV_32FC1);
-  cv::Mat rows(right.size(), CV_32FC1);
-  for (int y = 0; y < right.rows; ++y) {
-    for (int x = 0; x < right.cols; ++x) {
-      columns.at<float>(y, x) = static_cast<float>(x);
-      rows.at<float>(y, x) = static_cast<float>(y + model.at(x, y, right.size()));
+  CV_Assert(right.depth() == CV_8U && right.data != aligned.data);
+  aligned.create(right.size(), right.type());
+  const CubicWeights weights = cubicWeights();
+  tbb::parallel_for(0, right.rows, [&](int y) {
+    auto* out = aligned.ptr<std::uint8_t>(y);
+    for (int x = 0; x < right.cols; ++x, out += right.channels()) {
+      resamplePixel(right, x, static_cast<float>(y + model.at(x, y, right.size())), weights, out);
     }
-  }
-  cv::Mat aligned;
-  cv::remap(right, aligned, columns, rows, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  });
   return aligned;
+}
+
+cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model) {
+  cv::Mat aligned;
+  return alignRightRows(right, model, aligned);
 }
 
 }  // namespace cbmv

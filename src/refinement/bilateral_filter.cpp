@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "vector_rows.h"
+#include <tbb/parallel_for.h>
+
+#include "refinement/padded_disparity.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -16,6 +18,8 @@
 #define HWY_TARGET_INCLUDE "refinement/bilateral_filter.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
@@ -25,7 +29,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kLongestVector>;
 
-/// Means over the windows of a row of pixels; `centres` and `out` are whole vectors long. Sums up
+/// Means over the windows of a row of pixels; `centres` are whole vectors long. Sums up
 /// differences to the centre, because they are small and float loses little of them. Invalid
 /// centres are infinite, and thus far away even from themselves.
 void filterRow(const float* centres, std::ptrdiff_t stride, int width, const float* weights,
@@ -48,7 +52,7 @@ void filterRow(const float* centres, std::ptrdiff_t stride, int width, const flo
     }
     const auto mean = hn::Add(centre, hn::Div(differences, weight_sum));
     const auto is_valid = hn::Gt(weight_sum, hn::Zero(tag));
-    hn::StoreU(hn::IfThenElse(is_valid, mean, hn::Set(tag, invalid)), tag, out + x);
+    storeFirst(tag, hn::IfThenElse(is_valid, mean, hn::Set(tag, invalid)), width - x, out + x);
   }
 }
 
@@ -62,20 +66,6 @@ namespace cbmv {
 namespace {
 
 HWY_EXPORT(filterRow);
-
-/// The disparities with a border of `radius` pixels, on the right of a vector more, far away from
-/// every threshold at the border and at invalid pixels, so that no window needs a test for either.
-cv::Mat padded(const cv::Mat& disparity, float invalid, int radius) {
-  const float far = std::numeric_limits<float>::infinity();
-  cv::Mat result(disparity.rows + 2 * radius, disparity.cols + 2 * radius + kLongestVector,
-                 CV_32FC1, far);
-  for (int y = 0; y < disparity.rows; ++y) {
-    const auto* in = disparity.ptr<float>(y);
-    std::replace_copy(in, in + disparity.cols, result.ptr<float>(y + radius) + radius, invalid,
-                      far);
-  }
-  return result;
-}
 
 /// Of either axis, by distance: a Gaussian is separable.
 std::vector<float> gaussian(float sigma_px, int radius) {
@@ -100,7 +90,7 @@ void checkOptions(float sigma_px, float threshold_px) {
 }  // namespace
 
 void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, float sigma_px,
-                     float threshold_px, cv::Mat& filtered) {
+                     float threshold_px, cv::Mat& padded, cv::Mat& filtered) {
   CV_Assert(disparity.type() == CV_32FC1 && disparity.data != filtered.data);
   checkOptions(sigma_px, threshold_px);
   if (sigma_px == 0) {
@@ -110,11 +100,12 @@ void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, floa
   filtered.create(disparity.size(), CV_32FC1);
   const int radius = static_cast<int>(std::ceil(3 * sigma_px));
   const std::vector<float> weights = gaussian(sigma_px, radius);
-  const cv::Mat centres = padded(disparity, range.invalid(), radius);
-  writeVectorRows(filtered, [&](int y, float* means) {
+  // Infinite disparities are far away from all others: no window needs a test for the border.
+  padDisparity(disparity, range.invalid(), radius, std::numeric_limits<float>::infinity(), padded);
+  tbb::parallel_for(0, disparity.rows, [&](int y) {
     HWY_DYNAMIC_DISPATCH(filterRow)
-    (centres.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(centres.step1()),
-     disparity.cols, weights.data(), radius, threshold_px, range.invalid(), means);
+    (padded.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(padded.step1()),
+     disparity.cols, weights.data(), radius, threshold_px, range.invalid(), filtered.ptr<float>(y));
   });
 }
 

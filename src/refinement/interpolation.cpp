@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -17,19 +16,29 @@ namespace {
 
 constexpr int kDirections = 16;
 
-/// Pixels of a ray that starts at the origin, nearest first, without the origin itself.
-using Ray = std::vector<cv::Point>;
+/// A ray from a pixel, walked in steps of one pixel along the image axis that it is closer to.
+struct Ray {
+  cv::Point along;   ///< that axis
+  cv::Point aside;   ///< the other one
+  double slope = 0;  ///< pixels aside a step along
 
-/// Rays of `length` steps, each one pixel along the axis that the ray is closer to.
-std::array<Ray, kDirections> makeRays(int length) {
+  cv::Point pixel(int step) const {
+    return step * along + static_cast<int>(step * slope + 0.5) * aside;
+  }
+};
+
+/// Rays at k · 22.5°, from the x axis to the y axis.
+std::array<Ray, kDirections> makeRays() {
+  constexpr int kQuarter = kDirections / 4;
+  const cv::Point axes[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
   std::array<Ray, kDirections> rays;
   for (int k = 0; k < kDirections; ++k) {
-    const double angle = 2 * CV_PI * k / kDirections;
-    const double scale = 1 / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
-    for (int step = 1; step <= length; ++step) {
-      rays[k].emplace_back(static_cast<int>(std::lround(step * scale * std::cos(angle))),
-                           static_cast<int>(std::lround(step * scale * std::sin(angle))));
-    }
+    const cv::Point& before = axes[k / kQuarter];
+    const cv::Point& after = axes[k / kQuarter + 1];
+    const int turn = k % kQuarter;
+    const int from_nearer = std::min(turn, kQuarter - turn);
+    rays[k] = {2 * turn <= kQuarter ? before : after, 2 * turn <= kQuarter ? after : before,
+               std::tan(2 * CV_PI * from_nearer / kDirections)};
   }
   return rays;
 }
@@ -38,8 +47,8 @@ std::array<Ray, kDirections> makeRays(int length) {
 const float* nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, const cv::Point& start,
                           const Ray& ray) {
   const cv::Rect image(0, 0, labels.cols, labels.rows);
-  for (const cv::Point& offset : ray) {
-    const cv::Point pixel = start + offset;
+  for (int step = 1;; ++step) {
+    const cv::Point pixel = start + ray.pixel(step);
     if (!image.contains(pixel)) {
       return nullptr;
     }
@@ -47,7 +56,6 @@ const float* nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, const
       return disparity.ptr<float>(pixel.y) + pixel.x;
     }
   }
-  return nullptr;
 }
 
 float medianOfNearest(const cv::Mat& labels, const cv::Mat& disparity, const cv::Point& pixel,
@@ -90,15 +98,15 @@ void fillOcclusionsOfRow(const std::uint8_t* labels, int width, float without_ma
 
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  for (int y = 0; y < labels.rows; ++y) {
+  tbb::parallel_for(0, labels.rows, [&](int y) {
     fillOcclusionsOfRow(labels.ptr<std::uint8_t>(y), labels.cols, range.invalid(),
                         disparity.ptr<float>(y));
-  }
+  });
 }
 
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  const auto rays = makeRays(std::max(labels.cols, labels.rows));
+  const auto rays = makeRays();
   // Rows can be filled in parallel: only matches are read, and they are never written.
   tbb::parallel_for(tbb::blocked_range<int>(0, labels.rows), [&](const auto& rows) {
     for (int y = rows.begin(); y != rows.end(); ++y) {

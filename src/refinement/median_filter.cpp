@@ -3,15 +3,18 @@
 #include <cstddef>
 #include <string>
 
-#include "vector_rows.h"
+#include <tbb/parallel_for.h>
+
+#include "refinement/padded_disparity.h"
 
 #include "cbmv_stereo/error.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "refinement/median_filter.cpp"
-#include <hwy/aligned_allocator.h>
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
@@ -77,16 +80,18 @@ HWY_INLINE hn::Vec<Floats> median(float* values, int count) {
 }
 
 /// Medians around the pixels of a row: `padded` points to the upper left corner of the first
-/// window. Reads and writes whole vectors.
+/// window. Reads whole vectors.
 void filterRow(const float* padded, std::ptrdiff_t stride, int width, int size, float invalid,
-               float* values, float* medians) {
+               float* medians) {
   const Floats tag;
+  HWY_ALIGN float values[kMaxMedianSizePx * kMaxMedianSizePx * kLongestVector];
   const float* centres = padded + size / 2 * stride + size / 2;
   for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
     loadWindows(padded + x, stride, size, invalid, values);
     const auto centre = hn::LoadU(tag, centres + x);
     const auto is_invalid = hn::Eq(centre, hn::Set(tag, invalid));
-    hn::StoreU(hn::IfThenElse(is_invalid, centre, median(values, size * size)), tag, medians + x);
+    storeFirst(tag, hn::IfThenElse(is_invalid, centre, median(values, size * size)), width - x,
+               medians + x);
   }
 }
 
@@ -104,23 +109,19 @@ HWY_EXPORT(filterRow);
 }  // namespace
 
 void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int size_px,
-                  cv::Mat& filtered) {
+                  cv::Mat& padded, cv::Mat& filtered) {
   CV_Assert(disparity.type() == CV_32FC1 && disparity.data != filtered.data);
-  if (size_px < 1 || size_px % 2 == 0) {
+  if (size_px < 1 || size_px > kMaxMedianSizePx || size_px % 2 == 0) {
     throw Error("The size of the median filter is " + std::to_string(size_px) +
-                " px; it must be odd and at least 1.");
+                " px; it must be odd and between 1 and " + std::to_string(kMaxMedianSizePx) + ".");
   }
   const int radius = size_px / 2;
-  cv::Mat padded;
-  cv::copyMakeBorder(disparity, padded, radius, radius, radius, radius + kLongestVector,
-                     cv::BORDER_CONSTANT, range.invalid());
+  padDisparity(disparity, range.invalid(), radius, range.invalid(), padded);
   filtered.create(disparity.size(), CV_32FC1);
-  writeVectorRows(filtered, [&](int y, float* medians) {
-    const auto values =
-        hwy::AllocateAligned<float>(static_cast<std::size_t>(size_px) * size_px * kLongestVector);
+  tbb::parallel_for(0, disparity.rows, [&](int y) {
     HWY_DYNAMIC_DISPATCH(filterRow)
     (padded.ptr<float>(y), static_cast<std::ptrdiff_t>(padded.step1()), disparity.cols, size_px,
-     range.invalid(), values.get(), medians);
+     range.invalid(), filtered.ptr<float>(y));
   });
 }
 

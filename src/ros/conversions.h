@@ -47,6 +47,7 @@ enum class InputFault {
   kUncalibrated,
   kCameraInfoSize,
   kDisparityRange,
+  kMemory,
 };
 
 /// Input messages that cannot be used; the sentence names the topic.

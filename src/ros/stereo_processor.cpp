@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "cbmv_stereo/pipeline/memory.h"
+
 namespace cbmv {
 namespace {
 
@@ -70,6 +72,10 @@ void StereoProcessor::takeNewOptions() {
 void StereoProcessor::adaptTo(cv::Size image_size, const std::string& image_topic) {
   StereoOptions options = options_;
   options.range = clipRange(options_.range, image_size.width);
+  const std::string refusal = memoryRefusal(image_size, options);
+  if (!refusal.empty()) {
+    throw InputError(InputFault::kMemory, image_topic + ": " + refusal);
+  }
   range_correction_.clear();
   if (options.range.count != options_.range.count) {
     range_correction_ = "disparity_range is " + std::to_string(options_.range.count) +

@@ -1,4 +1,5 @@
-// Loop over the columns of a row for vector code. Included once per instruction set.
+// Loop over the columns of a row and the end of a row for vector code. Included once per
+// instruction set.
 #if defined(CBMV_SIMD_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_SIMD_LANES_INL_H
 #undef CBMV_SIMD_LANES_INL_H
@@ -31,6 +32,21 @@ HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
     for (int x = begin; x < end; ++x) {
       f(hn::CappedTag<hn::TFromD<D>, 1>(), x, 0);
     }
+  }
+}
+
+/// Stores the first `count` lanes, all if there are fewer, none if it is not positive, and leaves
+/// the memory behind alone: it may belong to another thread. Of vectors up to a cache line.
+template <class D>
+HWY_INLINE void storeFirst(D tag, hwy::HWY_NAMESPACE::Vec<D> values, int count,
+                           hwy::HWY_NAMESPACE::TFromD<D>* out) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  if (count >= static_cast<int>(hn::Lanes(tag))) {
+    hn::StoreU(values, tag, out);
+  } else {
+    HWY_ALIGN hn::TFromD<D> lanes[64 / sizeof(hn::TFromD<D>)];
+    hn::Store(values, tag, lanes);
+    hn::SafeCopyN(std::max(count, 0), tag, lanes, out);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <vector>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/confidence/row_features.h"
@@ -80,6 +79,10 @@ struct RowWorkspace {
   RowFeatures features;
   std::vector<std::uint8_t> costs;  ///< [d][x]
 };
+
+std::size_t hypothesesOfRow(int width, const DisparityRange& range) {
+  return static_cast<std::size_t>(width) * range.count;
+}
 
 /// The matchers whose features a tree asks for.
 MatcherSelection askedMatchers(const Forest& forest) {
@@ -160,7 +163,7 @@ void shiftLine(int width, int d, std::uint8_t* line) {
 class VolumeBuilder::Impl {
  public:
   MatcherSet matchers;
-  tbb::enumerable_thread_specific<RowWorkspace> workspaces;
+  PerThread<RowWorkspace> workspaces;
 };
 
 VolumeBuilder::VolumeBuilder() : impl_(std::make_unique<Impl>()) {}
@@ -171,11 +174,14 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
                           MatchingVolume& volume) {
   const int width = left.cols;
   volume.resize(left.rows, width, range.count);
-  impl_->matchers.prepare(left, right);
   const MatcherSelection asked = askedMatchers(forest);
+  impl_->matchers.prepare(left, right, asked);
+  impl_->workspaces.prepare([&](RowWorkspace& workspace) {
+    workspace.features.reserve(width, range, asked, !evaluator.wantsValues());
+    workspace.costs.resize(hypothesesOfRow(width, range));
+  });
   tbb::parallel_for(0, left.rows, [&](int y) {
     RowWorkspace& workspace = impl_->workspaces.local();
-    workspace.costs.resize(static_cast<std::size_t>(width) * range.count);
     workspace.features.prepareRow(impl_->matchers, y, width, range, asked);
     for (int i = 0; i < range.count; ++i) {
       scoreLine(forest, evaluator, width, range.min + i, i, workspace);
@@ -184,10 +190,12 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
   });
 }
 
-void shiftToRightView(const DisparityRange& range, MatchingVolume& volume) {
+void shiftToRightView(const DisparityRange& range, MatchingVolume& volume,
+                      PerThread<std::vector<std::uint8_t>>& rows) {
   const int width = volume.width();
+  rows.prepare([&](auto& row) { row.resize(hypothesesOfRow(width, range)); });
   tbb::parallel_for(0, volume.height(), [&](int y) {
-    std::vector<std::uint8_t> lines(static_cast<std::size_t>(width) * range.count);  // [d][x]
+    std::vector<std::uint8_t>& lines = rows.local();  // [d][x]
     transpose(volume.row(y), width, range.count, lines.data());
     for (int i = 0; i < range.count; ++i) {
       shiftLine(width, range.min + i, &lines[static_cast<std::size_t>(i) * width]);

@@ -43,18 +43,17 @@ struct Naive {
   }
 };
 
-struct ArmPair {
-  ArmPair(const cv::Size& size, Content content, int max_length, float threshold) {
-    computeSupportArms(makeGrey(size, content, 5), max_length, threshold, reference);
-    computeSupportArms(makeGrey(size, content, 6), max_length, threshold, other);
-  }
-  cv::Mat reference;
-  cv::Mat other;
-};
+SupportArms makeArms(const cv::Size& size, Content content, int max_length, float threshold) {
+  SupportArms arms;
+  computeSupportArms(makeGrey(size, content, 5), max_length, threshold, arms.reference);
+  computeSupportArms(makeGrey(size, content, 6), max_length, threshold, arms.other);
+  arms.longest_px = max_length - 1;
+  return arms;
+}
 
 void expectNaiveMeans(const Shape& shape, View view, Content content, int max_length,
                       float threshold, int max_cost) {
-  const ArmPair arms(shape.size(), content, max_length, threshold);
+  const SupportArms arms = makeArms(shape.size(), content, max_length, threshold);
   const OptimizedVolume costs = makeCosts(shape, content, max_cost, 7);
   const Naive naive{costs, arms.reference, arms.other, view, shape.range};
   OptimizedVolume expected(shape.height, shape.width, shape.range.count);
@@ -68,39 +67,40 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, int max_le
   const auto expect_means = [&](const OptimizedVolume& aggregated) {
     expectVolume(aggregated, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
   };
+  CostAggregator aggregator;
   onEverySimdTarget([&] {
     OptimizedVolume aggregated;
-    aggregateCosts(costs, max_cost, arms.reference, arms.other, view, shape.range, aggregated);
+    aggregator.aggregate(costs, max_cost, arms, view, shape.range, aggregated);
     expect_means(aggregated);
     if (max_cost <= 255) {
       MatchingVolume bytes(shape.height, shape.width, shape.range.count);
       std::copy_n(costs.row(0), costs.size(), bytes.row(0));
-      aggregateCosts(bytes, max_cost, arms.reference, arms.other, view, shape.range, aggregated);
+      aggregator.aggregate(bytes, max_cost, arms, view, shape.range, aggregated);
       expect_means(aggregated);
     }
   });
 }
 
-class AggregateCosts : public testing::TestWithParam<Case> {};
+class CostAggregation : public testing::TestWithParam<Case> {};
 
-TEST_P(AggregateCosts, EqualsNaiveMeans) {
+TEST_P(CostAggregation, EqualsNaiveMeans) {
   const auto [shape, view, content] = GetParam();
   expectNaiveMeans(shape, view, content, 6, 40.0F, 5355);
   expectNaiveMeans(shape, view, content, 1, 40.0F, 255);
   expectNaiveMeans(shape, view, content, 6, 300.0F, 255);
 }
 
-TEST_P(AggregateCosts, EqualsNaiveMeansOverLongArms) {
+TEST_P(CostAggregation, EqualsNaiveMeansOverLongArms) {
   const auto [shape, view, content] = GetParam();
   expectNaiveMeans(shape, view, content, 12, 300.0F, 16383);
   expectNaiveMeans(shape, view, content, 12, 300.0F, 255);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, AggregateCosts, allCases());
+INSTANTIATE_TEST_SUITE_P(Shapes, CostAggregation, allCases());
 
 // The largest costs of which 16 bits hold the sums, and the smallest of which they do not; arms of
 // one pixel, of the defaults, and the longest ones.
-TEST(AggregateCosts, IsExactWhereSumsNeed16Bits) {
+TEST(CostAggregation, IsExactWhereSumsNeed16Bits) {
   for (const auto& [arm, max_cost] :
        {std::pair(1, 16383), {5, 8665}, {5, 8666}, {7, 4660}, {7, 4661}}) {
     expectNaiveMeans({41, 80, {-2, 3}}, View::kLeft, Content::kNoise, arm + 1, 300.0F, max_cost);
@@ -109,10 +109,10 @@ TEST(AggregateCosts, IsExactWhereSumsNeed16Bits) {
 }
 
 // Means close to halves, of large costs and over large regions, where rounding is tightest.
-TEST(AggregateCosts, RoundsHalvesUp) {
+TEST(CostAggregation, RoundsHalvesUp) {
   for (const int max_cost : {4660, 4659, 9, 1}) {
     const Shape shape{15, 400, {0, 1}};
-    const ArmPair arms(shape.size(), Content::kNoise, 8, 300.0F);
+    const SupportArms arms = makeArms(shape.size(), Content::kNoise, 8, 300.0F);
     OptimizedVolume costs(shape.height, shape.width, 1);
     for (int i = 0; i < shape.height * shape.width; ++i) {
       costs.row(0)[i] = static_cast<std::uint16_t>(max_cost - i % 2);
@@ -120,34 +120,34 @@ TEST(AggregateCosts, RoundsHalvesUp) {
     const Naive naive{costs, arms.reference, arms.other, View::kLeft, shape.range};
     onEverySimdTarget([&] {
       OptimizedVolume aggregated;
-      aggregateCosts(costs, max_cost, arms.reference, arms.other, View::kLeft, shape.range,
-                     aggregated);
+      CostAggregator().aggregate(costs, max_cost, arms, View::kLeft, shape.range, aggregated);
       expectVolume(aggregated, shape, [&](int y, int x, int i) { return naive.mean(y, x, i); });
     });
   }
 }
 
 // Up to 509² pixels, whose sum just fits 32 bits.
-TEST(AggregateCosts, IsExactForTheLargestRegions) {
+TEST(CostAggregation, IsExactForTheLargestRegions) {
   const Shape shape{509, 509, {0, 1}};
   cv::Mat flat_arms;
   computeSupportArms(cv::Mat::zeros(shape.size(), CV_8UC1), 255, 1.0F, flat_arms);
   OptimizedVolume costs(509, 509, 1);
   std::fill(costs.row(0), costs.row(0) + costs.size(), 16383);
   OptimizedVolume aggregated;
-  aggregateCosts(costs, 16383, flat_arms, flat_arms, View::kLeft, shape.range, aggregated);
+  CostAggregator().aggregate(costs, 16383, {flat_arms, flat_arms, 254}, View::kLeft, shape.range,
+                             aggregated);
   expectVolume(aggregated, shape, [](int, int, int) { return 16383; });
 }
 
-TEST(AggregateCosts, DoesNotDependOnThreads) {
+TEST(CostAggregation, DoesNotDependOnThreads) {
   const Shape shape{33, 150, {0, 70}};
-  const ArmPair arms(shape.size(), Content::kPatches, 6, 40.0F);
+  const SupportArms arms = makeArms(shape.size(), Content::kPatches, 6, 40.0F);
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
   OptimizedVolume parallel;
-  aggregateCosts(costs, 5355, arms.reference, arms.other, View::kLeft, shape.range, parallel);
+  CostAggregator().aggregate(costs, 5355, arms, View::kLeft, shape.range, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   OptimizedVolume serial;
-  aggregateCosts(costs, 5355, arms.reference, arms.other, View::kLeft, shape.range, serial);
+  CostAggregator().aggregate(costs, 5355, arms, View::kLeft, shape.range, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
 

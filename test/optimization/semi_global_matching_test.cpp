@@ -112,14 +112,15 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmO
              4;
     });
   };
+  SemiGlobalMatcher matcher;
   onEverySimdTarget([&] {
     OptimizedVolume mean;
-    semiGlobalMatching(costs, images, view, shape.range, options, mean);
+    matcher.match(costs, images, view, shape.range, options, mean);
     expect_means(mean);
     if (max_cost <= 255) {
       MatchingVolume bytes(shape.height, shape.width, shape.range.count);
       std::copy_n(costs.row(0), costs.size(), bytes.row(0));
-      semiGlobalMatching(bytes, images, view, shape.range, options, mean);
+      matcher.match(bytes, images, view, shape.range, options, mean);
       expect_means(mean);
     }
   });
@@ -159,10 +160,10 @@ TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
                           makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   OptimizedVolume parallel;
-  semiGlobalMatching(costs, images, View::kLeft, shape.range, {}, parallel);
+  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, {}, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   OptimizedVolume serial;
-  semiGlobalMatching(costs, images, View::kLeft, shape.range, {}, serial);
+  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, {}, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
 
@@ -172,7 +173,7 @@ void expectRejected(const SgmOptions& options) {
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 1);
   OptimizedVolume mean;
   EXPECT_THROW(
-      semiGlobalMatching(costs, {grey, grey, 1, 1}, View::kLeft, shape.range, options, mean),
+      SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, View::kLeft, shape.range, options, mean),
       Error);
 }
 
@@ -212,8 +213,8 @@ TEST(SgmCostBound, HoldsOverTwoRuns) {
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   OptimizedVolume once;
   OptimizedVolume twice;
-  semiGlobalMatching(costs, images, View::kLeft, shape.range, options, once);
-  semiGlobalMatching(once, images, View::kLeft, shape.range, options, twice);
+  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, options, once);
+  SemiGlobalMatcher().match(once, images, View::kLeft, shape.range, options, twice);
   const int highest = *std::max_element(twice.row(0), twice.row(0) + twice.size());
   EXPECT_LE(highest, sgmCostBound(options));
   EXPECT_GT(highest, 255);

@@ -61,7 +61,8 @@ TEST_P(WinnerTakesAll, AcrossEqualsNaiveOne) {
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
     onEverySimdTarget([&, all = shape] {
       cv::Mat disparity;
-      winnerTakesAllAcross(costs, all.range, disparity);
+      PerThread<RowAcross> scratch;
+      winnerTakesAllAcross(costs, all.range, scratch, disparity);
       expectMap<float>(disparity, all.size(),
                        [&](int y, int x) { return naiveWinnerAcross(costs, all.range, y, x); });
     });

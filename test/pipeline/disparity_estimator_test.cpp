@@ -73,7 +73,8 @@ TEST(DisparityEstimator, LeavesTheRightViewsVolume) {
     return volume;
   };
   MatchingVolume shifted = original;
-  shiftToRightView(range, shifted);
+  PerThread<std::vector<std::uint8_t>> rows;
+  shiftToRightView(range, shifted, rows);
   const auto same = [](const MatchingVolume& a, const MatchingVolume& b) {
     return a.size() == b.size() && std::equal(a.row(0), a.row(0) + a.size(), b.row(0));
   };

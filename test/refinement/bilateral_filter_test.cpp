@@ -53,8 +53,9 @@ TEST_P(BilateralFilter, EqualsNaiveOne) {
         }
       }
       onEverySimdTarget([&, all = shape, s = sigma, t = threshold] {
+        cv::Mat padded;
         cv::Mat filtered;
-        bilateralFilter(disparity, all.range, s, t, filtered);
+        bilateralFilter(disparity, all.range, s, t, padded, filtered);
         expectMap<float>(
             filtered, all.size(), [&](int y, int x) { return expected.at<double>(y, x); }, 1e-5);
       });
@@ -65,8 +66,9 @@ TEST_P(BilateralFilter, EqualsNaiveOne) {
 TEST_P(BilateralFilter, CopiesWithoutSigma) {
   const auto [shape, view, content] = GetParam();
   const cv::Mat disparity = makeDisparity(shape, content, view == View::kLeft ? 3 : 1000, 22);
+  cv::Mat padded;
   cv::Mat filtered;
-  bilateralFilter(disparity, shape.range, 0.0F, 1.0F, filtered);
+  bilateralFilter(disparity, shape.range, 0.0F, 1.0F, padded, filtered);
   EXPECT_NE(filtered.data, disparity.data);
   expectMap<float>(filtered, shape.size(), [&](int y, int x) { return disparity.at<float>(y, x); });
 }
@@ -75,9 +77,10 @@ INSTANTIATE_TEST_SUITE_P(Shapes, BilateralFilter, allCases());
 
 TEST(BilateralFilter, RejectsImpossibleOptions) {
   const cv::Mat disparity = cv::Mat::zeros(3, 3, CV_32FC1);
+  cv::Mat padded;
   cv::Mat filtered;
-  EXPECT_THROW(bilateralFilter(disparity, {}, -1.0F, 1.0F, filtered), Error);
-  EXPECT_THROW(bilateralFilter(disparity, {}, 1.0F, 0.0F, filtered), Error);
+  EXPECT_THROW(bilateralFilter(disparity, {}, -1.0F, 1.0F, padded, filtered), Error);
+  EXPECT_THROW(bilateralFilter(disparity, {}, 1.0F, 0.0F, padded, filtered), Error);
 }
 
 }  // namespace

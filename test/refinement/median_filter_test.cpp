@@ -36,7 +36,7 @@ TEST_P(MedianFilter, EqualsNaiveOne) {
   const std::uint32_t seed = view == View::kLeft ? 18 : 19;
   for (const int invalid_every : {1, 3, 30, 1000000}) {
     const cv::Mat disparity = makeDisparity(shape, content, invalid_every, seed);
-    for (const int size : {1, 3, 5, 9}) {
+    for (const int size : {1, 3, 5, 15}) {
       cv::Mat expected(shape.size(), CV_32FC1);
       for (int y = 0; y < shape.height; ++y) {
         for (int x = 0; x < shape.width; ++x) {
@@ -44,8 +44,9 @@ TEST_P(MedianFilter, EqualsNaiveOne) {
         }
       }
       onEverySimdTarget([&, all = shape] {
+        cv::Mat padded;
         cv::Mat filtered;
-        medianFilter(disparity, all.range, size, filtered);
+        medianFilter(disparity, all.range, size, padded, filtered);
         expectMap<float>(filtered, all.size(),
                          [&](int y, int x) { return expected.at<float>(y, x); });
       });
@@ -55,11 +56,12 @@ TEST_P(MedianFilter, EqualsNaiveOne) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, MedianFilter, allCases());
 
-TEST(MedianFilter, RejectsSizesWithoutCentre) {
+TEST(MedianFilter, RejectsEvenAndHugeSizes) {
   const cv::Mat disparity = cv::Mat::zeros(3, 3, CV_32FC1);
+  cv::Mat padded;
   cv::Mat filtered;
-  for (const int size : {-3, 0, 2, 4}) {
-    EXPECT_THROW(medianFilter(disparity, {}, size, filtered), Error) << size;
+  for (const int size : {-3, 0, 2, 4, 17}) {
+    EXPECT_THROW(medianFilter(disparity, {}, size, padded, filtered), Error) << size;
   }
 }
 

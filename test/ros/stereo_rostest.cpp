@@ -426,6 +426,17 @@ TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
   expectAlive();
 }
 
+TEST_F(StereoTopics, FramesThatNeedTooMuchMemoryAreDropped) {
+  StereoOptions options = testOptions();
+  options.max_memory_mb = 1;
+  client_.setOptions(options);
+  client_.publish(makeGoodMessages());
+  EXPECT_TRUE(client_.waitForWarning(
+      {"/stereo/left/image_rect", "125x81 pixels", "max_memory_mb allows 1", "frame dropped"}));
+  options_ = client_.setOptions(testOptions());
+  expectAlive();
+}
+
 TEST_F(StereoTopics, ParametersAreCorrectedAndTheCorrectionIsReported) {
   StereoOptions options = testOptions();
   options.sgm.p1 = 5;

@@ -62,6 +62,13 @@ TEST_F(ToolsTest, MatchNamesTheFileThatIsWrong) {
                 {path("text.png"), "not a forest"});
 }
 
+TEST_F(ToolsTest, MatchRefusesWhatNeedsTooMuchMemory) {
+  const std::string preset = folder_.write("small.yaml", "max_memory_mb: 2\n");
+  expectRefusal(run("cbmv_match", path("left.png") + " " + path("right.png") + " --forest " +
+                                      kForest + " --preset " + preset + " --output " + path("out")),
+                {"64 disparities need", "MB", "max_memory_mb allows 2"});
+}
+
 TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {
   EXPECT_EQ(run("cbmv_match", "").status, 2);
   EXPECT_EQ(run("cbmv_match", "--no-such-option").status, 2);

@@ -94,7 +94,8 @@ TEST_P(VolumeBuilderTest, RightViewIsShiftedLeftView) {
   const Shape shape = GetParam();
   const MatchingVolume left = buildVolume(shape, makeForest(30, 6, 5));
   MatchingVolume right = left;
-  shiftToRightView(shape.range, right);
+  PerThread<std::vector<std::uint8_t>> rows;
+  shiftToRightView(shape.range, right, rows);
   for (int y = 0; y < shape.height; ++y) {
     for (int x = 0; x < shape.width; ++x) {
       for (int i = 0; i < shape.range.count; ++i) {
@@ -112,7 +113,8 @@ TEST_P(VolumeBuilderTest, SwappingTheImagesGivesTheRightView) {
   const Shape shape = GetParam();
   const Forest forest = makeForest(30, 6, 5);
   MatchingVolume right = buildVolume(shape, forest);
-  shiftToRightView(shape.range, right);
+  PerThread<std::vector<std::uint8_t>> rows;
+  shiftToRightView(shape.range, right, rows);
   cv::Mat mirrored_left;
   cv::Mat mirrored_right;
   cv::flip(makeGrey(shape.size(), Content::kPatches, 1), mirrored_left, 1);

@@ -47,6 +47,9 @@ struct PixelTerms {
   std::vector<float> lowest_cost;      ///< c_min
   std::vector<float> log_lowest_cost;  ///< log(c_min + ε)
   std::vector<float> log_sum;          ///< log Σ exp(−(C − c_min)² / 2σ²)
+
+  /// Makes room for `width` columns.
+  void reserve(int width);
 };
 
 /// Terms of all pixels of a row in both views. Columns without any hypothesis inside hold

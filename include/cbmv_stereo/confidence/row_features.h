@@ -15,6 +15,11 @@ namespace cbmv {
 /// row; one object per thread.
 class RowFeatures {
  public:
+  /// Makes room for rows of `width` columns, so that the functions below allocate nothing; for
+  /// codes or for values.
+  void reserve(int width, const DisparityRange& range, const MatcherSelection& used,
+               bool wants_codes);
+
   /// Matches row y of the pair that `matchers` was prepared with. Of matchers that are not `used`,
   /// the features below are unspecified and cost no time.
   void prepareRow(const MatcherSet& matchers, int y, int width, const DisparityRange& range,

@@ -17,6 +17,9 @@ class TreeWalker {
         bias_(static_cast<float>(forest.bias)),
         output_(forest.output) {}
 
+  /// Hypotheses for which a tree stays in the cache.
+  static constexpr int kBlock = 256;
+
   bool empty() const { return trees_.empty(); }
 
   /// `values[f]` points to `count` values of feature f, none of them NaN. `probabilities[i]`

@@ -31,6 +31,9 @@ struct MatcherCosts {
   CostRow<std::uint16_t> zero_mean_sad;
   CostRow<std::uint16_t> sobel_sad;
 
+  /// Makes room for a row by the matchers `used`.
+  void resize(int width, int disparities, const MatcherSelection& used);
+
   /// In the order of Matcher.
   std::array<CostRowPointer, kMatcherCount> rows() const {
     return {&census, &ncc, &zero_mean_sad, &sobel_sad};
@@ -45,12 +48,17 @@ class MatcherSet {
     NccMatcher::Scratch ncc;
     ZeroMeanSadMatcher::Scratch zero_mean_sad;
     SobelSadMatcher::Scratch sobel_sad;
+
+    /// Makes room for rows of `width` columns.
+    void resize(int width);
   };
 
-  /// Both CV_8UC1 of the same size. Copies what it needs.
-  void prepare(const cv::Mat& left, const cv::Mat& right);
+  /// Prepares the matchers `used`. Both images CV_8UC1 of the same size; copies what it needs.
+  void prepare(const cv::Mat& left, const cv::Mat& right,
+               const MatcherSelection& used = allMatchers());
 
-  /// Costs of row y by the matchers `used`; those of the others stay as they are.
+  /// Costs of row y by the matchers `used`, all of them prepared; those of the others stay as they
+  /// are.
   void computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
                   Scratch& scratch, MatcherCosts& costs) const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -17,10 +18,11 @@ class NccMatcher {
 
   /// Memory for one row at a time; one per thread.
   struct Scratch {
-    std::vector<float> column_sums;
+    std::vector<float> column_sums;  ///< of the columns −1 … width
+    void resize(int width) { column_sums.resize(static_cast<std::size_t>(width) + 2); }
   };
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage.
+  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.

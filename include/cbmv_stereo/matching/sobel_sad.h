@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,10 +20,11 @@ class SobelSadMatcher {
 
   /// Memory for one row at a time; one per thread.
   struct Scratch {
-    std::vector<std::uint16_t> column_sums;
+    std::vector<std::uint16_t> column_sums;  ///< of the columns −2 … width + 1
+    void resize(int width) { column_sums.resize(static_cast<std::size_t>(width) + kWindowPx - 1); }
   };
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage.
+  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.
@@ -33,7 +35,7 @@ class SobelSadMatcher {
   using Rows = std::array<const std::int16_t*, kWindowPx>;
 
  private:
-  cv::Mat left_responses_;  ///< CV_16SC1, padded
+  cv::Mat left_responses_;  ///< CV_16SC1, padded; set as far as windows reach
   cv::Mat right_responses_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,10 +21,13 @@ class ZeroMeanSadMatcher {
 
   /// Memory for one row at a time; one per thread.
   struct Scratch {
-    std::vector<std::int16_t> differences;
+    std::vector<std::int16_t> differences;  ///< kWindowPx rows of the columns −2 … width + 1
+    void resize(int width) {
+      differences.resize(static_cast<std::size_t>(width + kWindowPx - 1) * kWindowPx);
+    }
   };
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage.
+  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of row y.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/optimization/options.h"
@@ -18,8 +20,9 @@ struct EdgeImages {
   float other_threshold_grey = 0;
 };
 
-/// One run of semi-global matching along four directions (Hirschmüller 2008 with the penalties of
-/// Žbontar & LeCun 2016, section 4.2).
+/// Semi-global matching along four directions (Hirschmüller 2008 with the penalties of
+/// Žbontar & LeCun 2016, section 4.2). Holds the memory of the paths, which is kept from run to
+/// run, so one object serves one volume at a time.
 ///
 /// Along the path r (from the left, right, above, below), with p the pixel and q = p − r,
 ///   L_r(p, d) = C(p, d) − min_k L_r(q, k)
@@ -36,15 +39,27 @@ struct EdgeImages {
 /// volumes; `mean` is resized. Penalties and costs must satisfy
 /// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, if p1 is
 /// negative or above p2, or if q1, q2 or alpha1 is below 1. Vectors by Highway, parallel by oneTBB;
-/// the result depends neither on the instruction set nor on the number of threads.
-void semiGlobalMatching(const OptimizedVolume& costs, const EdgeImages& images, View view,
-                        const DisparityRange& range, const SgmOptions& options,
-                        OptimizedVolume& mean);
+/// the result depends neither on the instruction set nor on the number of threads nor on earlier
+/// runs.
+class SemiGlobalMatcher {
+ public:
+  SemiGlobalMatcher();
+  ~SemiGlobalMatcher();
+  SemiGlobalMatcher(const SemiGlobalMatcher&) = delete;
+  SemiGlobalMatcher& operator=(const SemiGlobalMatcher&) = delete;
 
-/// The same on matching costs as they come.
-void semiGlobalMatching(const MatchingVolume& costs, const EdgeImages& images, View view,
-                        const DisparityRange& range, const SgmOptions& options,
-                        OptimizedVolume& mean);
+  /// One run.
+  void match(const OptimizedVolume& costs, const EdgeImages& images, View view,
+             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean);
+
+  /// The same on matching costs as they come.
+  void match(const MatchingVolume& costs, const EdgeImages& images, View view,
+             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// Largest value of a cost after `iterations` runs on costs of at most 255, in units of 1/255: each
 /// run adds at most P2. Must stay ≤ 16383, so that four paths fit 16 bits.

@@ -11,7 +11,8 @@
 namespace cbmv {
 
 /// Everything after the matching volume: optimization of both views, winner takes all, refinement
-/// and confidence. Holds the buffers of a frame, so one object serves one frame at a time.
+/// and confidence. Holds the buffers of a frame and of every stage, so one object serves one frame
+/// at a time; from the second frame of one size and one set of options on, it allocates nothing.
 class DisparityEstimator {
  public:
   DisparityEstimator();
@@ -21,9 +22,10 @@ class DisparityEstimator {
 
   /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
   /// options.range, as VolumeBuilder makes it, and becomes the right view's if that one is
-  /// optimized for the left-right check. Sets all maps and the range of `result` and adds to its
-  /// times, of all stages but the rectification. Options must be consistent (correctOptions).
-  /// Parallel by oneTBB; the result does not depend on earlier frames nor on the number of threads.
+  /// optimized for the left-right check. Sets all maps and the range of `result`, whose memory is
+  /// reused where the size fits, and adds to its times, of all stages but the rectification.
+  /// Options must be consistent (correctOptions). Parallel by oneTBB; the result does not depend on
+  /// earlier frames nor on the number of threads.
   void estimate(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
                 MatchingVolume& volume, StereoResult& result);
 

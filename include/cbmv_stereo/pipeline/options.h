@@ -17,7 +17,8 @@ struct StereoOptions {
   AggregationOptions aggregation;
   SgmOptions sgm;
   RefinementOptions refinement;
-  int threads = 0;  ///< 0: as many as the machine has
+  int max_memory_mb = 0;  ///< of requiredMemoryMb; images that need more are refused; 0: no bound
+  int threads = 0;        ///< 0: as many as the machine has
 };
 
 }  // namespace cbmv

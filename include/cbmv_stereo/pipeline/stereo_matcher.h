@@ -29,12 +29,20 @@ class StereoMatcher {
   void setOptions(const StereoOptions& options);
 
   /// One pair by itself: the vertical offset is estimated from this pair (if switched on), removed,
-  /// and the pair matched. Both images CV_8UC1 of the same size, not empty; throws Error otherwise.
+  /// and the pair matched. Both images CV_8UC1 of the same size, not empty, and not so large that
+  /// they need more memory than options.max_memory_mb; throws Error otherwise.
   StereoResult match(const cv::Mat& left, const cv::Mat& right);
 
   /// A frame of a stream: the vertical offset is given (RectificationTracker estimates it in the
   /// background).
   StereoResult match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset& offset);
+
+  /// The same into the maps of `result`, whose memory is reused where the size fits: from the
+  /// second frame of one size and one set of options on, no memory is allocated but for the tasks
+  /// of oneTBB. Maps that share their memory with those of `result` change, too; the images must
+  /// not.
+  void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset& offset,
+             StereoResult& result);
 
  private:
   class Impl;

@@ -62,8 +62,13 @@ VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
                                       const RectificationOptions& options);
 
 /// Resamples the right image (CV_8UC1 or CV_8UC3) so that matches lie on equal rows: row y of the
-/// result is the right image at row y + dy(x, y), by cubic interpolation along the column; rows
-/// beyond the border repeat it. Returns `right` itself, without a copy, when the model is zero.
+/// result is the right image at row y + dy(x, y), rounded to 1/32 px, by cubic interpolation along
+/// the column (cubic convolution with a = −0.75, as OpenCV has it); rows beyond the border repeat
+/// it. Returns `right` itself, without a copy, when the model is zero, else a map that shares the
+/// memory of `aligned`, which is reused. Parallel over rows by oneTBB.
+cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model, cv::Mat& aligned);
+
+/// The same into new memory.
 cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model);
 
 }  // namespace cbmv

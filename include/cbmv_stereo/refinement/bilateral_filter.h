@@ -10,9 +10,9 @@ namespace cbmv {
 /// ±ceil(3 sigma) px that differ from the centre's by less than `threshold_px` (pixels of
 /// disparity), weighted by exp(−r² / 2 sigma²) with r the distance in the image. sigma_px = 0
 /// copies. Invalid pixels stay invalid. Throws Error if sigma is negative or the threshold is not
-/// positive. CV_32FC1; `filtered` may not share memory with `disparity`. Parallel over rows by
-/// oneTBB.
+/// positive. CV_32FC1; `filtered` may not share memory with `disparity`. `padded` is scratch.
+/// Parallel over rows by oneTBB.
 void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, float sigma_px,
-                     float threshold_px, cv::Mat& filtered);
+                     float threshold_px, cv::Mat& padded, cv::Mat& filtered);
 
 }  // namespace cbmv

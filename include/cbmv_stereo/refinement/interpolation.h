@@ -12,7 +12,7 @@ namespace cbmv {
 /// its right; rows without any match become range.invalid().
 ///
 /// `disparity` (CV_32FC1) is changed in place at pixels that `labels` (CV_8UC1 of Label) calls
-/// kOcclusion.
+/// kOcclusion. Parallel over rows by oneTBB.
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);
 
 /// Mismatches (ibid.): each takes the median of the nearest matches in 16 directions, k · 22.5°. A
@@ -22,6 +22,7 @@ void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat&
 /// is none.
 ///
 /// Only pixels that `labels` calls kMatch are read; only those that it calls kMismatch are written.
+/// Parallel over rows by oneTBB.
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);
 
 }  // namespace cbmv

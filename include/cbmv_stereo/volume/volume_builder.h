@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/per_thread.h"
 #include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
@@ -33,6 +36,8 @@ class VolumeBuilder {
 
 /// Turns the left view's volume into the right view's in place: right(x, d) = left(x + d, d)
 /// (Batsos et al. 2018, section 3.3); kOutsideCost where x + d lies outside of the left image.
-void shiftToRightView(const DisparityRange& range, MatchingVolume& volume);
+/// `rows` is scratch. Parallel over rows by oneTBB.
+void shiftToRightView(const DisparityRange& range, MatchingVolume& volume,
+                      PerThread<std::vector<std::uint8_t>>& rows);
 
 }  // namespace cbmv

@@ -1,0 +1,102 @@
+#include "cbmv_stereo/pipeline/memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace cbmv {
+namespace {
+
+/// Of one pair and its options. Sizes are real numbers: products of them exceed integers.
+struct Problem {
+  Problem(const cv::Size& image_size, const StereoOptions& all_options)
+      : options(all_options),
+        width(image_size.width),
+        pixels(width * image_size.height),
+        disparities(all_options.range.count),
+        threads(all_options.threads > 0 ? all_options.threads
+                                        : std::thread::hardware_concurrency()) {}
+
+  bool aggregates() const {
+    return options.aggregation.iterations_before + options.aggregation.iterations_after > 0;
+  }
+  bool matchesRightView() const {
+    return options.refinement.left_right_check && options.refinement.optimize_right_view;
+  }
+
+  const StereoOptions& options;
+  double width;
+  double pixels;
+  double disparities;
+  double threads;
+};
+
+double bytesOfVolumes(const Problem& problem) {
+  const AggregationOptions& aggregation = problem.options.aggregation;
+  const int steps =
+      aggregation.iterations_before + problem.options.sgm.iterations + aggregation.iterations_after;
+  return problem.pixels * problem.disparities * (1 + 2 * std::clamp(steps, 1, 2));
+}
+
+double bytesOfMaps(const Problem& problem) {
+  const auto if_set = [](bool set, double bytes) { return set ? bytes : 0; };
+  const StereoOptions& options = problem.options;
+  const double aligned_and_estimate = if_set(options.rectification.enabled, 1 + 30);
+  // Of both images: padded; census; NCC; zero-mean SAD; Sobel SAD.
+  const double matchers = 2 * (1 + 15 + 12 + 4 + 2);
+  const double edges = if_set(options.sgm.iterations > 0, 4);
+  // As they are, and by match.
+  const double arms =
+      if_set(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
+  // Winners; the median filter; the bilateral one.
+  const double refinement = 4 + 2 * 4 + if_set(options.refinement.bilateral_sigma_px > 0, 4);
+  const double result = 4 + 4 + 1 + if_set(options.refinement.left_right_check, 4);
+  return problem.pixels * (aligned_and_estimate + matchers + edges + arms + refinement + result);
+}
+
+double bytesOfRows(const Problem& problem) {
+  const double costs = 1 + 1 + 4 + 2 + 2;  // of the forest and of the four matchers
+  const double shift = problem.matchesRightView() ? 1 : 0;
+  const double terms_and_codes = 130;
+  return problem.threads * problem.width *
+         ((costs + shift) * problem.disparities + terms_and_codes);
+}
+
+double bytesOfPaths(const Problem& problem) {
+  return problem.options.sgm.iterations > 0 ? 4 * problem.width * (problem.disparities + 32) : 0;
+}
+
+/// Two lines for each column of a tile and each row that arms span, as CostAggregator has them at
+/// most.
+double bytesOfSums(const Problem& problem) {
+  if (!problem.aggregates()) {
+    return 0;
+  }
+  const double longest_arm = problem.options.aggregation.arm_length_px - 1;
+  const double columns = std::min(problem.width, std::max(48.0, 2 * longest_arm));
+  const double bytes_of_column = 2 * 2 * std::min(problem.disparities + 64, 256.0);
+  return problem.threads * (2 * longest_arm + 1) * columns * bytes_of_column;
+}
+
+}  // namespace
+
+double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options) {
+  const Problem problem(image_size, options);
+  return (bytesOfVolumes(problem) + bytesOfMaps(problem) + bytesOfRows(problem) +
+          bytesOfPaths(problem) + bytesOfSums(problem)) /
+         (1 << 20);
+}
+
+std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options) {
+  const double required = requiredMemoryMb(image_size, options);
+  if (options.max_memory_mb == 0 || required <= options.max_memory_mb) {
+    return {};
+  }
+  return "images of " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height) +
+         " pixels with " + std::to_string(options.range.count) + " disparities need " +
+         std::to_string(std::lround(std::ceil(required))) + " MB, but max_memory_mb allows " +
+         std::to_string(options.max_memory_mb) +
+         "; lower disparity_range, take smaller images or raise max_memory_mb";
+}
+
+}  // namespace cbmv

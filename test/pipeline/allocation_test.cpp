@@ -1,0 +1,181 @@
+// What a matcher allocates on a stream of frames. The functions of malloc below take the place of
+// the C library's in the whole program: operator new, OpenCV and Eigen end in them.
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include "support/random_forest.h"
+#include "support/random_images.h"
+
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+
+namespace {
+
+/// Smaller blocks are not counted: oneTBB and OpenCV's calls take a few of them for themselves, up
+/// to some hundred bytes. A row of an image, the smallest memory that the method works on, is
+/// larger.
+constexpr std::size_t kLargeBytes = 1024;
+
+std::atomic<int> large_blocks{0};
+std::atomic<long> bytes_in_use{0};
+
+void* counted(void* block) {
+  const std::size_t bytes = malloc_usable_size(block);
+  bytes_in_use += static_cast<long>(bytes);
+  if (bytes >= kLargeBytes) {
+    ++large_blocks;
+  }
+  return block;
+}
+
+}  // namespace
+
+extern "C" {
+
+void* __libc_malloc(std::size_t bytes);
+void* __libc_calloc(std::size_t count, std::size_t bytes);
+void* __libc_realloc(void* block, std::size_t bytes);
+void* __libc_memalign(std::size_t alignment, std::size_t bytes);
+void __libc_free(void* block);
+
+void* malloc(std::size_t bytes) { return counted(__libc_malloc(bytes)); }
+void* calloc(std::size_t count, std::size_t bytes) { return counted(__libc_calloc(count, bytes)); }
+void* realloc(void* block, std::size_t bytes) {
+  bytes_in_use -= static_cast<long>(malloc_usable_size(block));
+  return counted(__libc_realloc(block, bytes));
+}
+void* memalign(std::size_t alignment, std::size_t bytes) {
+  return counted(__libc_memalign(alignment, bytes));
+}
+void free(void* block) {
+  bytes_in_use -= static_cast<long>(malloc_usable_size(block));
+  __libc_free(block);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) { return memalign(alignment, bytes); }
+int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) {
+  *block = memalign(alignment, bytes);
+  return *block == nullptr ? ENOMEM : 0;
+}
+
+}  // extern "C"
+
+namespace cbmv::test {
+namespace {
+
+struct Pair {
+  cv::Mat left;
+  cv::Mat right;
+};
+
+/// Every row is a large block, even of bytes.
+const cv::Size kSize(1100, 21);
+
+/// Pairs that have little in common.
+std::array<Pair, 3> makePairs(const cv::Size& size) {
+  return {{{makeGrey(size, Content::kPatches, 1), makeGrey(size, Content::kPatches, 2)},
+           {makeGrey(size, Content::kNoise, 3), makeGrey(size, Content::kPatches, 4)},
+           {makeGrey(size, Content::kPatches, 5), makeGrey(size, Content::kNoise, 6)}}};
+}
+
+VerticalOffset someOffset() {
+  VerticalOffset offset;
+  offset.offset_px = 0.4;
+  offset.slope_x = 0.002;
+  return offset;
+}
+
+/// A preset and a forest; general trees stand for a random forest.
+struct Setup {
+  std::string preset;
+  Forest forest;
+};
+
+std::vector<Setup> allSetups() {
+  const auto shipped = [](const std::string& name) {
+    return readForest(CBMV_SOURCE_DIR "/models/" + name + ".forest");
+  };
+  return {{"quality", shipped("middlebury")},
+          {"balanced", shipped("middlebury_small")},
+          {"realtime", shipped("middlebury_small")},
+          {"kitti", makeGeneralForest(3, 20, 1)}};
+}
+
+std::unique_ptr<StereoMatcher> makeMatcher(const Setup& setup) {
+  StereoOptions options;
+  readPreset(CBMV_SOURCE_DIR "/config/" + setup.preset + ".yaml", options);
+  options.range = {-3, 40};
+  return std::make_unique<StereoMatcher>(std::make_shared<Forest>(setup.forest), options);
+}
+
+/// Large blocks that `run` allocates.
+template <typename Run>
+int blocksOf(const Run& run) {
+  const int before = large_blocks;
+  run();
+  return large_blocks - before;
+}
+
+class Allocations : public testing::TestWithParam<Setup> {
+ protected:
+  std::unique_ptr<StereoMatcher> matcher_ = makeMatcher(GetParam());
+  StereoResult result_;
+
+  int blocksOfFrame(const Pair& pair) {
+    return blocksOf([&] { matcher_->match(pair.left, pair.right, someOffset(), result_); });
+  }
+};
+
+TEST_P(Allocations, AreNoneFromTheSecondFrameOn) {
+  const auto pairs = makePairs(kSize);
+  EXPECT_GT(blocksOfFrame(pairs[0]), 20);
+  const long in_use = bytes_in_use;
+  for (int frame = 1; frame < 7; ++frame) {
+    EXPECT_EQ(blocksOfFrame(pairs[frame % 3]), 0) << "frame " << frame;
+  }
+  EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
+}
+
+TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
+  const auto pairs = makePairs(kSize);
+  for (int frame = 0; frame < 4; ++frame) {
+    const Pair& pair = pairs[frame % 3];
+    StereoResult fresh;
+    const int blocks =
+        blocksOf([&] { fresh = matcher_->match(pair.left, pair.right, someOffset()); });
+    if (frame > 0) {
+      EXPECT_EQ(blocks, 4) << "disparity, right disparity, labels, confidence";
+    }
+  }
+}
+
+/// Matches smaller images between two frames: the results are those of a new matcher, and the
+/// frames after the change allocate nothing again.
+TEST_P(Allocations, StopAgainAfterAChangeOfSize) {
+  const auto pairs = makePairs(kSize);
+  const auto others = makePairs({97, 41});
+  for (const auto* some : {&pairs, &others, &pairs}) {
+    blocksOfFrame((*some)[0]);
+    EXPECT_EQ(blocksOfFrame((*some)[1]), 0);
+    StereoResult expected;
+    makeMatcher(GetParam())->match((*some)[1].left, (*some)[1].right, someOffset(), expected);
+    EXPECT_EQ(cv::norm(result_.disparity, expected.disparity, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(result_.confidence, expected.confidence, cv::NORM_INF), 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets, Allocations, testing::ValuesIn(allSetups()),
+                         [](const auto& info) { return info.param.preset; });
+
+}  // namespace
+}  // namespace cbmv::test
