@@ -175,7 +175,7 @@ void StageData::optimize() {
   arms.longest_px = options.aggregation.arm_length_px - 1;
   edges = {pair.left, pair.right, options.sgm.edge_threshold * greyDeviation(pair.left),
            options.sgm.edge_threshold * greyDeviation(pair.right)};
-  sgm.match(volume, edges, View::kLeft, range, options.sgm, optimized);
+  sgm.match(volume, edges, {}, View::kLeft, range, options.sgm, optimized);
 }
 
 void StageData::refine() {
@@ -249,12 +249,12 @@ std::vector<Stage> optimizationStages() {
            [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
           {"sgm_first", Unit::kHypotheses, 8, 80,
            [](StageData& s) {
-             s.sgm.match(s.volume, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
+             s.sgm.match(s.volume, s.edges, {}, View::kLeft, s.range, s.options.sgm, s.output);
            },
            addOutput},
           {"sgm_second", Unit::kHypotheses, 10, 80,
            [](StageData& s) {
-             s.sgm.match(s.optimized, s.edges, View::kLeft, s.range, s.options.sgm, s.output);
+             s.sgm.match(s.optimized, s.edges, {}, View::kLeft, s.range, s.options.sgm, s.output);
            },
            addOutput},
           {"cbca", Unit::kHypotheses, 4, 0,

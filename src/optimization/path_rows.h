@@ -20,6 +20,8 @@ struct RowPenalties {
   std::array<const PathCost*, 2> p1;
   std::array<const PathCost*, 2> p2;
   std::ptrdiff_t step;
+  /// Disparities that the surface rises from the previous pixel of the path, in {-1, 0, 1}.
+  const std::int8_t* rises;
 };
 
 /// Pixels of a row, by column from the first one on.
@@ -32,7 +34,7 @@ struct PathPixels {
 };
 
 /// Where neighbouring paths have got to. The costs of path i start at i * stride; the elements
-/// before them and behind them, up to the next path, are kGuard.
+/// before them and behind them, up to the next path, are kGuard; there are at least two on each side.
 struct PathEnds {
   PathCost* previous;
   PathCost* current;  // of the pixel to be added

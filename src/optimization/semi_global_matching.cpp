@@ -18,6 +18,7 @@
 #include "optimization/path_rows.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -61,7 +62,7 @@ HWY_INLINE PathVector pathCosts(const Cost* costs, const PathCost* previous,
   const auto neighbours = hn::Min(hn::LoadU(tag, previous - 1), hn::LoadU(tag, previous + 1));
   const auto step = hn::Add(neighbours, hn::LoadU(tag, p1));
   const auto jump = hn::Add(lowest_previous, hn::LoadU(tag, p2));
-  const auto best = hn::Min(hn::Min(hn::Load(tag, previous), step), jump);
+  const auto best = hn::Min(hn::Min(hn::LoadU(tag, previous), step), jump);
   const auto matching = hn::BitCast(tag, loadWidened(SumTag(), costs));
   return hn::Add(matching, hn::Sub(best, lowest_previous));
 }
@@ -76,6 +77,7 @@ HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalt
   const int disparities = pixels.disparities;
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(column) * disparities;
   const Cost* costs = pixels.costs + first;
+  previous -= penalties.rises[column];
   std::uint16_t* sums = pixels.sums + first;
   const int edge = penalties.edges[column] != 0 ? 1 : 0;
   const PathCost* p1 = penalties.p1[edge] + column * penalties.step;
@@ -300,7 +302,31 @@ struct PathSetup {
   Penalties vertical{};
   EdgeMaps reference;
   EdgeMaps other;
+  cv::Mat surface;  // with a border of one pixel without a surface; empty: none anywhere
+
+  /// The surface at the pixels (x + dx, y); nullptr if there is none.
+  const std::int16_t* surfaceRow(int y, int dx = 0) const {
+    return surface.empty() ? nullptr : surface.ptr<std::int16_t>(y + 1) + 1 + dx;
+  }
 };
+
+/// Two neighbouring rows or columns of pixels, the second one next on the path. Pointers are to the
+/// first column of the image.
+struct PathStep {
+  const std::uint8_t* reference_edges;
+  const std::uint8_t* other_edges;
+  const std::int16_t* surface;  // nullptr: unknown
+  const std::int16_t* previous_surface;
+};
+
+/// How far the surface rises from one pixel to the next. Where that is more than a disparity, the
+/// two pixels rather see two surfaces.
+std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
+  const int rise = next - previous;
+  return previous != kNoSurface && next != kNoSurface && std::abs(rise) <= 1
+             ? static_cast<std::int8_t>(rise)
+             : std::int8_t{0};
+}
 
 /// Penalties of all hypotheses of the pixels of one row, or of a part of one.
 class PenaltyRow {
@@ -314,20 +340,26 @@ class PenaltyRow {
       p1_[edge].resize(other_edges_.size());
       p2_[edge].resize(other_edges_.size());
     }
+    rises_.assign(columns.size(), 0);
   }
 
-  /// Edges towards the previous pixel of the path, by column of the reference and the other image.
-  RowPenalties fill(const std::uint8_t* reference_edges, const std::uint8_t* other_edges) {
-    other_edges_.fill(width_, 0, [other_edges](int column) { return other_edges[column]; });
+  RowPenalties fill(const PathStep& step) {
+    other_edges_.fill(width_, 0, [&step](int column) { return step.other_edges[column]; });
     for (std::size_t edge = 0; edge < 2; ++edge) {
       select(penalties_.p1[edge], penalties_.p1[edge + 1], p1_[edge]);
       select(penalties_.p2[edge], penalties_.p2[edge + 1], p2_[edge]);
     }
+    if (step.surface != nullptr) {
+      const std::int16_t* surface = step.surface + first_column_;
+      const std::int16_t* previous = step.previous_surface + first_column_;
+      std::transform(previous, previous + rises_.size(), surface, rises_.begin(), surfaceRise);
+    }
     const std::ptrdiff_t first = other_edges_.offset(first_column_);
-    return {reference_edges + first_column_,
+    return {step.reference_edges + first_column_,
             {p1_[0].data() + first, p1_[1].data() + first},
             {p2_[0].data() + first, p2_[1].data() + first},
-            other_edges_.offset(first_column_ + 1) - first};
+            other_edges_.offset(first_column_ + 1) - first,
+            rises_.data()};
   }
 
  private:
@@ -346,16 +378,17 @@ class PenaltyRow {
   MatchingRow<std::uint8_t> other_edges_;
   Table p1_;
   Table p2_;
+  std::vector<std::int8_t> rises_;
 };
 
 /// Memory of neighbouring paths of one direction.
 class PathFront {
  public:
   void resize(int paths, int disparities) {
-    stride_ = (disparities + kLine) / kLine * kLine;
+    stride_ = (disparities + 1 + kLine) / kLine * kLine;
     disparities_ = disparities;
     lowest_.resize(paths);
-    previous_.assign(kLine + paths * stride_, kGuard);
+    previous_.assign(kLine + paths * stride_ + kLine, kGuard);
     current_.assign(previous_.size(), kGuard);
   }
 
@@ -380,7 +413,7 @@ class PathFront {
   static constexpr std::ptrdiff_t kLine = 64 / sizeof(PathCost);
   using Costs = std::vector<PathCost, CacheLineAllocator<PathCost>>;
 
-  std::ptrdiff_t stride_ = 0;  // leaves at least one guard behind the costs
+  std::ptrdiff_t stride_ = 0;  // leaves at least two guards behind the costs
   int disparities_ = 0;
   std::vector<PathCost> lowest_;
   Costs previous_;
@@ -412,8 +445,11 @@ class RowPaths {
     const auto* reference = setup_->reference.horizontal.ptr<std::uint8_t>(y);
     const auto* other = setup_->other.horizontal.ptr<std::uint8_t>(y);
     front_.reset();
-    setRow(pixelsOf(costs, y, columns_, sums), from_left_.fill(reference, other),
-           from_right_.fill(reference + 1, other + 1), front_.ends());
+    setRow(pixelsOf(costs, y, columns_, sums),
+           from_left_.fill({reference, other, setup_->surfaceRow(y), setup_->surfaceRow(y, -1)}),
+           from_right_.fill(
+               {reference + 1, other + 1, setup_->surfaceRow(y), setup_->surfaceRow(y, 1)}),
+           front_.ends());
   }
 
  private:
@@ -439,7 +475,7 @@ class ColumnPaths {
   template <typename Cost>
   void runDown(const Volume<Cost>& costs, const cv::Range& rows, OptimizedVolume& sums) {
     for (int y = rows.start; y < rows.end; ++y) {
-      addColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y), front_.ends());
+      addColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y, y - 1), front_.ends());
       front_.advance();
     }
   }
@@ -449,16 +485,18 @@ class ColumnPaths {
   void runUp(const Volume<Cost>& costs, OptimizedVolume& sums) {
     front_.reset();
     for (int y = costs.height() - 1; y >= 0; --y) {
-      averageColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y + 1), front_.ends());
+      averageColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y, y + 1), front_.ends());
       front_.advance();
     }
   }
 
  private:
-  /// Of the edge between the rows `lower` and `lower` − 1.
-  RowPenalties fillPenalties(int lower) {
-    return penalties_.fill(setup_->reference.vertical.ptr<std::uint8_t>(lower),
-                           setup_->other.vertical.ptr<std::uint8_t>(lower));
+  /// Of the step from row `previous` to row `y`; an edge is stored at the lower one of both.
+  RowPenalties fillPenalties(int y, int previous) {
+    const int lower = std::max(y, previous);
+    return penalties_.fill({setup_->reference.vertical.ptr<std::uint8_t>(lower),
+                            setup_->other.vertical.ptr<std::uint8_t>(lower), setup_->surfaceRow(y),
+                            setup_->surfaceRow(previous)});
   }
 
   const PathSetup* setup_ = nullptr;
@@ -472,7 +510,7 @@ class ColumnPaths {
 class SemiGlobalMatcher::Impl {
  public:
   template <typename Cost>
-  void match(const Volume<Cost>& costs, const EdgeImages& images, View view,
+  void match(const Volume<Cost>& costs, const EdgeImages& images, const cv::Mat& surface, View view,
              const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean) {
     const cv::Size size(costs.width(), costs.height());
     CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
@@ -489,11 +527,28 @@ class SemiGlobalMatcher::Impl {
     setup_.vertical = makePenalties(options, options.alpha1);
     findEdges(images.reference, images.reference_threshold_grey, setup_.reference);
     findEdges(images.other, images.other_threshold_grey, setup_.other);
+    takeSurface(surface, size);
     preparePaths();
     addPaths(costs, mean);
   }
 
  private:
+  void takeSurface(const cv::Mat& surface, const cv::Size& size) {
+    if (surface.empty()) {
+      setup_.surface.release();
+    } else {
+      CV_Assert(surface.type() == CV_16SC1 && surface.size() == size);
+      setup_.surface.create(size.height + 2, size.width + 2, CV_16SC1);
+      tbb::parallel_for(0, size.height + 2, [&](int row) {
+        auto* out = setup_.surface.ptr<std::int16_t>(row);
+        std::fill_n(out, size.width + 2, kNoSurface);
+        if (row >= 1 && row <= size.height) {
+          std::copy_n(surface.ptr<std::int16_t>(row - 1), size.width, out + 1);
+        }
+      });
+    }
+  }
+
   void preparePaths() {
     const int width = setup_.width;
     blocks_.resize((width + kColumnsPerBlock - 1) / kColumnsPerBlock);
@@ -528,17 +583,17 @@ class SemiGlobalMatcher::Impl {
 SemiGlobalMatcher::SemiGlobalMatcher() : impl_(std::make_unique<Impl>()) {}
 SemiGlobalMatcher::~SemiGlobalMatcher() = default;
 
-void SemiGlobalMatcher::match(const OptimizedVolume& costs, const EdgeImages& images, View view,
-                              const DisparityRange& range, const SgmOptions& options,
-                              OptimizedVolume& mean) {
+void SemiGlobalMatcher::match(const OptimizedVolume& costs, const EdgeImages& images,
+                              const cv::Mat& surface, View view, const DisparityRange& range,
+                              const SgmOptions& options, OptimizedVolume& mean) {
   CV_Assert(&costs != &mean);
-  impl_->match(costs, images, view, range, options, mean);
+  impl_->match(costs, images, surface, view, range, options, mean);
 }
 
-void SemiGlobalMatcher::match(const MatchingVolume& costs, const EdgeImages& images, View view,
-                              const DisparityRange& range, const SgmOptions& options,
-                              OptimizedVolume& mean) {
-  impl_->match(costs, images, view, range, options, mean);
+void SemiGlobalMatcher::match(const MatchingVolume& costs, const EdgeImages& images,
+                              const cv::Mat& surface, View view, const DisparityRange& range,
+                              const SgmOptions& options, OptimizedVolume& mean) {
+  impl_->match(costs, images, surface, view, range, options, mean);
 }
 
 int sgmCostBound(const SgmOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -10,10 +11,12 @@
 
 #include "stopwatch.h"
 
+#include "cbmv_stereo/optimization/coarse_volume.h"
 #include "cbmv_stereo/optimization/cross_based_aggregation.h"
 #include "cbmv_stereo/optimization/grey_deviation.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/support_arms.h"
+#include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/optimization/winner_takes_all.h"
 #include "cbmv_stereo/refinement/bilateral_filter.h"
 #include "cbmv_stereo/refinement/interpolation.h"
@@ -24,6 +27,9 @@
 
 namespace cbmv {
 namespace {
+
+/// Of a pair that is matched at half the size first; at less, surfaces are a few pixels large.
+constexpr int kSmallestSidePx = 256;
 
 void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
   costs.resize(volume.height(), volume.width(), volume.disparities());
@@ -76,6 +82,10 @@ class DisparityEstimator::Impl {
       prepare(left, left_);
       prepare(right, right_);
     }
+    {
+      const Stopwatch watch(result.times.sgm_ms);
+      findSurfaces(volume);
+    }
     optimize(View::kLeft, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
@@ -86,7 +96,7 @@ class DisparityEstimator::Impl {
         refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
       }
     }
-    if (options_.refinement.left_right_check && options_.refinement.optimize_right_view) {
+    if (matchesRightView()) {
       matchRightView(volume, result);
     } else if (options_.refinement.left_right_check) {
       const Stopwatch watch(result.times.refinement_ms);
@@ -102,7 +112,52 @@ class DisparityEstimator::Impl {
     cv::Mat grey;
     cv::Mat arms;
     float deviation = 0;
+    cv::Mat surface;  ///< map of surface_prior.h; empty: unknown
   };
+
+  /// The pair at half the size.
+  struct CoarsePair {
+    DisparityEstimator estimator;
+    SurfacePrior prior;
+    cv::Mat left;
+    cv::Mat right;
+    MatchingVolume volume;
+    StereoResult result;
+  };
+
+  bool matchesRightView() const {
+    return options_.refinement.left_right_check && options_.refinement.optimize_right_view;
+  }
+
+  /// Matches the pair at half the size, which in turn begins at half of that, and takes the
+  /// surfaces of both views from that. Pixels that fail the left-right check there stay without a
+  /// disparity, so that no surface comes from them.
+  void findSurfaces(const MatchingVolume& volume) {
+    const cv::Size size = left_.grey.size();
+    if (!findsSurfaces(size, options_)) {
+      left_.surface.release();
+      right_.surface.release();
+      return;
+    }
+    if (coarse_ == nullptr) {
+      coarse_ = std::make_unique<CoarsePair>();
+    }
+    StereoOptions options = options_;
+    options.range = halveRange(options_.range);
+    options.refinement.fill_occlusions = false;
+    options.refinement.fill_mismatches = false;
+    halveImage(left_.grey, coarse_->left);
+    halveImage(right_.grey, coarse_->right);
+    halveVolume(volume, options_.range, coarse_->volume);
+    coarse_->estimator.estimate(coarse_->left, coarse_->right, options, coarse_->volume,
+                                coarse_->result);
+    coarse_->prior.estimate(coarse_->result.disparity, options.range.invalid(),
+                            options.surface.reach_px, size, left_.surface);
+    if (matchesRightView()) {
+      coarse_->prior.estimate(coarse_->result.right_disparity, options.range.invalid(),
+                              options.surface.reach_px, size, right_.surface);
+    }
+  }
 
   void matchRightView(MatchingVolume& volume, StereoResult& result) {
     {
@@ -137,7 +192,7 @@ class DisparityEstimator::Impl {
     for (int i = 0; i < options_.sgm.iterations; ++i) {
       const Stopwatch watch(times.sgm_ms);
       apply([&](const auto& costs, OptimizedVolume& mean) {
-        sgm_.match(costs, edges, view, options_.range, options_.sgm, mean);
+        sgm_.match(costs, edges, reference.surface, view, options_.range, options_.sgm, mean);
       });
     }
     aggregate(options_.aggregation.iterations_after, view, reference, other, times);
@@ -212,6 +267,8 @@ class DisparityEstimator::Impl {
   cv::Mat winners_;                                 ///< of the left view, whole pixels
   cv::Mat filtered_;
 
+  std::unique_ptr<CoarsePair> coarse_;
+
   // Memory of the stages.
   SemiGlobalMatcher sgm_;
   CostAggregator aggregator_;
@@ -220,6 +277,11 @@ class DisparityEstimator::Impl {
   cv::Mat median_padded_;
   cv::Mat bilateral_padded_;
 };
+
+bool findsSurfaces(const cv::Size& image_size, const StereoOptions& options) {
+  return options.surface.enabled && options.sgm.iterations > 0 &&
+         std::min(image_size.width, image_size.height) >= kSmallestSidePx;
+}
 
 DisparityEstimator::DisparityEstimator() : impl_(std::make_unique<Impl>()) {}
 DisparityEstimator::~DisparityEstimator() = default;

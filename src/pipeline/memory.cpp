@@ -4,6 +4,8 @@
 #include <cmath>
 #include <thread>
 
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
+
 namespace cbmv {
 namespace {
 
@@ -24,12 +26,23 @@ struct Problem {
     return options.refinement.left_right_check && options.refinement.optimize_right_view;
   }
 
+  /// The pair at half the size.
+  Problem half() const {
+    Problem result = *this;
+    result.width /= 2;
+    result.pixels /= 4;
+    result.disparities /= 2;
+    return result;
+  }
+
   const StereoOptions& options;
   double width;
   double pixels;
   double disparities;
   double threads;
 };
+
+double ifSet(bool set, double bytes) { return set ? bytes : 0; }
 
 double bytesOfVolumes(const Problem& problem) {
   const AggregationOptions& aggregation = problem.options.aggregation;
@@ -38,20 +51,25 @@ double bytesOfVolumes(const Problem& problem) {
   return problem.pixels * problem.disparities * (1 + 2 * std::clamp(steps, 1, 2));
 }
 
-double bytesOfMaps(const Problem& problem) {
-  const auto if_set = [](bool set, double bytes) { return set ? bytes : 0; };
-  const StereoOptions& options = problem.options;
-  const double aligned_and_estimate = if_set(options.rectification.enabled, 1 + 30);
+/// Maps of the alignment and of the matchers.
+double bytesOfMatchingMaps(const Problem& problem) {
+  const double aligned_and_estimate = ifSet(problem.options.rectification.enabled, 1 + 30);
   // Of both images: padded; census; NCC; zero-mean SAD; Sobel SAD.
   const double matchers = 2 * (1 + 15 + 12 + 4 + 2);
-  const double edges = if_set(options.sgm.iterations > 0, 4);
+  return problem.pixels * (aligned_and_estimate + matchers);
+}
+
+/// Maps of optimization and refinement.
+double bytesOfEstimationMaps(const Problem& problem) {
+  const StereoOptions& options = problem.options;
+  const double edges = ifSet(options.sgm.iterations > 0, 4);
   // As they are, and by match.
   const double arms =
-      if_set(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
+      ifSet(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
   // Winners; the median filter; the bilateral one.
-  const double refinement = 4 + 2 * 4 + if_set(options.refinement.bilateral_sigma_px > 0, 4);
-  const double result = 4 + 4 + 1 + if_set(options.refinement.left_right_check, 4);
-  return problem.pixels * (aligned_and_estimate + matchers + edges + arms + refinement + result);
+  const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4);
+  const double result = 4 + 4 + 1 + ifSet(options.refinement.left_right_check, 4);
+  return problem.pixels * (edges + arms + refinement + result);
 }
 
 double bytesOfRows(const Problem& problem) {
@@ -78,12 +96,29 @@ double bytesOfSums(const Problem& problem) {
   return problem.threads * (2 * longest_arm + 1) * columns * bytes_of_column;
 }
 
+/// Of optimization and refinement.
+double bytesOfEstimation(const Problem& problem) {
+  return bytesOfVolumes(problem) + bytesOfEstimationMaps(problem) + bytesOfPaths(problem) +
+         bytesOfSums(problem);
+}
+
+/// What it takes to find the surfaces of a pair at half the size, a quarter and so on.
+double bytesOfSurfaces(const cv::Size& image_size, const Problem& problem) {
+  if (!findsSurfaces(image_size, problem.options)) {
+    return 0;
+  }
+  const double surfaces = 2 + 2 + ifSet(problem.matchesRightView(), 2);  // one with a border
+  const Problem half = problem.half();
+  return problem.pixels * surfaces + half.pixels * 2 + bytesOfEstimation(half) +
+         bytesOfSurfaces(image_size / 2, half);
+}
+
 }  // namespace
 
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options) {
   const Problem problem(image_size, options);
-  return (bytesOfVolumes(problem) + bytesOfMaps(problem) + bytesOfRows(problem) +
-          bytesOfPaths(problem) + bytesOfSums(problem)) /
+  return (bytesOfMatchingMaps(problem) + bytesOfRows(problem) + bytesOfEstimation(problem) +
+          bytesOfSurfaces(image_size, problem)) /
          (1 << 20);
 }
 

@@ -124,6 +124,13 @@ void addOptimizationParameters(ParameterTable& table) {
       [](Options& o) -> int& { return o.aggregation.iterations_after; },
       "Runs of cost aggregation after semi-global matching");
   table.add(
+      "surface_prior", "", 0, 1, [](Options& o) -> bool& { return o.surface.enabled; },
+      "Match at half the size first and let semi-global matching follow the slanted surfaces that "
+      "this finds");
+  table.add(
+      "surface_reach", "px", 2, 500, [](Options& o) -> float& { return o.surface.reach_px; },
+      "Distance over which planes are fitted to find the surfaces");
+  table.add(
       "P1", "", 0, 60, [](Options& o) -> float& { return o.sgm.p1; },
       "Penalty of a disparity step of one pixel; matching costs are in [0, 1]");
   table.add(

@@ -22,11 +22,12 @@ struct Bounds {
   bool logarithmic;
 };
 
-constexpr std::array<Bounds, 15> kBounds = {{
+constexpr std::array<Bounds, 16> kBounds = {{
     {"cbca_arm_length", 1, 16, 1, false},
     {"cbca_intensity_threshold", 0.01, 0.5, 0, true},
     {"cbca_iterations_before", 0, 4, 1, false},
     {"cbca_iterations_after", 0, 8, 1, false},
+    {"surface_reach", 10, 200, 0, true},
     {"P1", 0.05, 10, 0, true},
     {"P2", 0.5, 30, 0, true},
     {"sgm_q1", 1, 10, 0, true},

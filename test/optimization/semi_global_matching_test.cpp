@@ -9,6 +9,7 @@
 #include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/optimization/surface_prior.h"
 
 namespace cbmv::test {
 namespace {
@@ -16,10 +17,11 @@ namespace {
 /// L_r of all hypotheses along one direction, straight from the formula.
 class NaivePaths {
  public:
-  NaivePaths(const OptimizedVolume& costs, const EdgeImages& images, View view, const Shape& shape,
-             const SgmOptions& options, cv::Point direction)
+  NaivePaths(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
+             View view, const Shape& shape, const SgmOptions& options, cv::Point direction)
       : costs_(costs),
         images_(images),
+        surface_(surface),
         view_(view),
         shape_(shape),
         options_(options),
@@ -52,13 +54,24 @@ class NaivePaths {
     for (int k = 1; k < shape_.range.count; ++k) {
       lowest = std::min(lowest, cost(from.y, from.x, k));
     }
-    std::int64_t best = std::min(cost(from.y, from.x, i), lowest + penalty(from, to, i, false));
-    for (const int neighbour : {i - 1, i + 1}) {
-      if (neighbour >= 0 && neighbour < shape_.range.count) {
-        best = std::min(best, cost(from.y, from.x, neighbour) + penalty(from, to, i, true));
+    std::int64_t best = lowest + penalty(from, to, i, false);
+    const int along = i - rise(from, to);
+    for (const int source : {along - 1, along, along + 1}) {
+      if (source >= 0 && source < shape_.range.count) {
+        const std::int64_t p1 = source == along ? 0 : penalty(from, to, i, true);
+        best = std::min(best, cost(from.y, from.x, source) + p1);
       }
     }
     return best - lowest;
+  }
+
+  int rise(cv::Point from, cv::Point to) const {
+    if (surface_.empty() || surface_.at<std::int16_t>(from) == kNoSurface ||
+        surface_.at<std::int16_t>(to) == kNoSurface) {
+      return 0;
+    }
+    const int rise = surface_.at<std::int16_t>(to) - surface_.at<std::int16_t>(from);
+    return std::abs(rise) <= 1 ? rise : 0;
   }
 
   std::int64_t penalty(cv::Point from, cv::Point to, int i, bool small) const {
@@ -88,6 +101,7 @@ class NaivePaths {
 
   const OptimizedVolume& costs_;
   const EdgeImages& images_;
+  const cv::Mat& surface_;
   View view_;
   Shape shape_;
   SgmOptions options_;
@@ -96,14 +110,15 @@ class NaivePaths {
 };
 
 void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmOptions& options,
-                      int max_cost, float reference_threshold, float other_threshold) {
+                      int max_cost, float reference_threshold, float other_threshold,
+                      const cv::Mat& surface = {}) {
   const EdgeImages images{makeGrey(shape.size(), content, 9), makeGrey(shape.size(), content, 10),
                           reference_threshold, other_threshold};
   const OptimizedVolume costs = makeCosts(shape, content, max_cost, 11);
   std::vector<NaivePaths> paths;
   for (const cv::Point& direction :
        {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
-    paths.emplace_back(costs, images, view, shape, options, direction);
+    paths.emplace_back(costs, images, surface, view, shape, options, direction);
   }
   const auto expect_means = [&](const OptimizedVolume& mean) {
     expectVolume(mean, shape, [&](int y, int x, int i) {
@@ -115,12 +130,12 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmO
   SemiGlobalMatcher matcher;
   onEverySimdTarget([&] {
     OptimizedVolume mean;
-    matcher.match(costs, images, view, shape.range, options, mean);
+    matcher.match(costs, images, surface, view, shape.range, options, mean);
     expect_means(mean);
     if (max_cost <= 255) {
       MatchingVolume bytes(shape.height, shape.width, shape.range.count);
       std::copy_n(costs.row(0), costs.size(), bytes.row(0));
-      matcher.match(bytes, images, view, shape.range, options, mean);
+      matcher.match(bytes, images, surface, view, shape.range, options, mean);
       expect_means(mean);
     }
   });
@@ -152,6 +167,50 @@ TEST_P(SemiGlobalMatching, EqualsNaiveOneAtTheBoundOfCosts) {
   expectNaiveMeans(shape, view, content, options, 16383 - 32 * 255, 0.0F, 255.5F);
 }
 
+/// Rises and falls of all sizes, with holes.
+cv::Mat makeSurface(const Shape& shape, Content content) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> steps(-3, 3);
+  std::uniform_int_distribution<int> lottery(1, 20);
+  cv::Mat surface(shape.size(), CV_16SC1);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      const int slanted = content == Content::kNoise ? steps(random) : (2 * x - 3 * y) / 4;
+      surface.at<std::int16_t>(y, x) =
+          lottery(random) == 1 ? kNoSurface : static_cast<std::int16_t>(slanted);
+    }
+  }
+  return surface;
+}
+
+TEST_P(SemiGlobalMatching, EqualsNaiveOneAlongSurfaces) {
+  const auto [shape, view, content] = GetParam();
+  expectNaiveMeans(shape, view, content, {}, 255, 8.0F, 13.5F, makeSurface(shape, content));
+}
+
+TEST(SemiGlobalMatching, FollowsASlantedSurfaceForNothing) {
+  // Without texture inside, between two columns that know their disparity.
+  const Shape shape{5, 31, {0, 32}};
+  MatchingVolume costs(shape.height, shape.width, shape.range.count);
+  cv::Mat surface(shape.size(), CV_16SC1);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      surface.at<std::int16_t>(y, x) = static_cast<std::int16_t>(100 + x / 2);
+      for (int i = 0; i < shape.range.count; ++i) {
+        const bool known = x == 0 || x == shape.width - 1;
+        costs.pixel(y, x)[i] = known && i != 3 + x / 2 ? 255 : 0;
+      }
+    }
+  }
+  const cv::Mat grey = cv::Mat::zeros(shape.size(), CV_8UC1);
+  OptimizedVolume mean;
+  SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, surface, View::kLeft, shape.range, {}, mean);
+  for (int x = 0; x < shape.width; ++x) {
+    const auto* pixel = mean.pixel(2, x);
+    EXPECT_EQ(std::min_element(pixel, pixel + shape.range.count) - pixel, 3 + x / 2) << "x " << x;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, SemiGlobalMatching, allCases());
 
 TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
@@ -160,10 +219,10 @@ TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
                           makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   OptimizedVolume parallel;
-  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, {}, parallel);
+  SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, {}, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   OptimizedVolume serial;
-  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, {}, serial);
+  SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, {}, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
 
@@ -172,9 +231,9 @@ void expectRejected(const SgmOptions& options) {
   const cv::Mat grey = cv::Mat::zeros(shape.size(), CV_8UC1);
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 1);
   OptimizedVolume mean;
-  EXPECT_THROW(
-      SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, View::kLeft, shape.range, options, mean),
-      Error);
+  EXPECT_THROW(SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, {}, View::kLeft, shape.range,
+                                         options, mean),
+               Error);
 }
 
 TEST(SemiGlobalMatching, RejectsImpossibleOptions) {
@@ -213,8 +272,8 @@ TEST(SgmCostBound, HoldsOverTwoRuns) {
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   OptimizedVolume once;
   OptimizedVolume twice;
-  SemiGlobalMatcher().match(costs, images, View::kLeft, shape.range, options, once);
-  SemiGlobalMatcher().match(once, images, View::kLeft, shape.range, options, twice);
+  SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, options, once);
+  SemiGlobalMatcher().match(once, images, {}, View::kLeft, shape.range, options, twice);
   const int highest = *std::max_element(twice.row(0), twice.row(0) + twice.size());
   EXPECT_LE(highest, sgmCostBound(options));
   EXPECT_GT(highest, 255);

@@ -17,6 +17,7 @@
 #include "support/random_images.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
@@ -142,6 +143,22 @@ TEST_P(Allocations, AreNoneFromTheSecondFrameOn) {
   const long in_use = bytes_in_use;
   for (int frame = 1; frame < 7; ++frame) {
     EXPECT_EQ(blocksOfFrame(pairs[frame % 3]), 0) << "frame " << frame;
+  }
+  EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
+}
+
+/// Large enough for the surfaces to be found at half the size first.
+TEST(SurfaceAllocations, AreNoneFromTheSecondFrameOn) {
+  const auto pairs = makePairs({1100, 256});
+  const auto matcher = makeMatcher(allSetups().front());
+  ASSERT_TRUE(findsSurfaces(pairs[0].left.size(), matcher->options()));
+  StereoResult result;
+  matcher->match(pairs[0].left, pairs[0].right, someOffset(), result);
+  const long in_use = bytes_in_use;
+  for (int frame = 1; frame < 4; ++frame) {
+    const Pair& pair = pairs[frame % 3];
+    EXPECT_EQ(blocksOf([&] { matcher->match(pair.left, pair.right, someOffset(), result); }), 0)
+        << "frame " << frame;
   }
   EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
 }

@@ -84,6 +84,7 @@ TEST_P(RequiredMemory, IsTheMeasuredPeak) {
 INSTANTIATE_TEST_SUITE_P(Examples, RequiredMemory,
                          testing::Values(Example{"quality", "middlebury", {640, 160}, 64},
                                          Example{"quality", "middlebury", {400, 160}, 150},
+                                         Example{"quality", "middlebury", {500, 270}, 64},
                                          Example{"realtime", "middlebury_small", {640, 160}, 64},
                                          Example{"realtime", "middlebury_small", {400, 160}, 150},
                                          Example{"balanced", "middlebury_small", {1242, 40}, 228}),
@@ -97,6 +98,7 @@ TEST(RequiredMemoryMb, OfOneVolumeMoreWithMoreThanOneStep) {
   StereoOptions options;
   options.range = {0, 100};
   options.aggregation.iterations_after = 0;
+  options.surface.enabled = false;
   options.sgm.iterations = 1;
   const double one = requiredMemoryMb({1000, 1000}, options);
   options.sgm.iterations = 2;

@@ -163,7 +163,7 @@ TEST(StereoMatcher, DoesNotDependOnThreadsNorOnEarlierFrames) {
 TEST(StereoMatcher, EverySettingHasAnEffect) {
   RenderOptions noisy;
   noisy.noise_sigma = 14;
-  const RenderedScene scene = renderScene(160, 120, 8, noisy);
+  const RenderedScene scene = renderScene(280, 256, 8, noisy);  // large enough for surfaces
   StereoOptions options = optionsFor({0, 32});
   options.aggregation.iterations_before = 1;
   options.aggregation.intensity_threshold = 0.4F;  // above the noise
@@ -180,6 +180,8 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
       {"cbca_intensity_threshold", 0.8},
       {"cbca_iterations_before", 0},
       {"cbca_iterations_after", 3},
+      {"surface_prior", false},
+      {"surface_reach", 4.0},
       {"P1", 0.4},
       {"P2", 3.0},
       {"sgm_q1", 4.0},

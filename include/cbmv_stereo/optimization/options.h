@@ -11,6 +11,12 @@ struct AggregationOptions {
   int iterations_after = 4;           ///< cbca_i2
 };
 
+/// Surfaces found at half the size, which semi-global matching then follows.
+struct SurfaceOptions {
+  bool enabled = true;
+  float reach_px = 40.0F;  ///< standard deviation of the distances over which a plane is fitted
+};
+
 /// Semi-global matching. Costs are in [0, 1]: penalties are in the same unit.
 struct SgmOptions {
   float p1 = 1.3F;               ///< pi1: penalty of a disparity step of one

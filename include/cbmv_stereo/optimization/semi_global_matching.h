@@ -26,8 +26,10 @@ struct EdgeImages {
 ///
 /// Along the path r (from the left, right, above, below), with p the pixel and q = p − r,
 ///   L_r(p, d) = C(p, d) − min_k L_r(q, k)
-///             + min{ L_r(q, d), L_r(q, d−1) + P1, L_r(q, d+1) + P1, min_k L_r(q, k) + P2 },
-/// and L_r = C at the first pixel of a path. P1 and P2 are `options.p1`, `options.p2` times 255,
+///             + min{ L_r(q, e), L_r(q, e−1) + P1, L_r(q, e+1) + P1, min_k L_r(q, k) + P2 },
+/// and L_r = C at the first pixel of a path. e = d, but where a surface is known that rises by
+/// s = surface(p) − surface(q) = ±1 from q to p, e = d − s (Scharstein et al. 2017): going on along
+/// the surface costs nothing. P1 and P2 are `options.p1`, `options.p2` times 255,
 /// depending on the hypothesis: an edge in the reference image is |I(p) − I(q)| ≥ threshold, in the
 /// other image the same at the matching columns of p and q for disparity d (no edge where one of
 /// them lies outside). No edge: P1, P2; an edge in one image: both divided by q1; in both images:
@@ -48,13 +50,15 @@ class SemiGlobalMatcher {
   SemiGlobalMatcher(const SemiGlobalMatcher&) = delete;
   SemiGlobalMatcher& operator=(const SemiGlobalMatcher&) = delete;
 
-  /// One run.
-  void match(const OptimizedVolume& costs, const EdgeImages& images, View view,
-             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean);
+  /// One run. `surface` is a surface map (surface_prior.h) of the reference image, or empty.
+  void match(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
+             View view, const DisparityRange& range, const SgmOptions& options,
+             OptimizedVolume& mean);
 
   /// The same on matching costs as they come.
-  void match(const MatchingVolume& costs, const EdgeImages& images, View view,
-             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean);
+  void match(const MatchingVolume& costs, const EdgeImages& images, const cv::Mat& surface,
+             View view, const DisparityRange& range, const SgmOptions& options,
+             OptimizedVolume& mean);
 
  private:
   class Impl;

@@ -10,6 +10,10 @@
 
 namespace cbmv {
 
+/// Whether a pair of that size is matched at half the size first, to find its surfaces: if switched
+/// on, where semi-global matching runs and the shorter side has 256 px at least.
+bool findsSurfaces(const cv::Size& image_size, const StereoOptions& options);
+
 /// Everything after the matching volume: optimization of both views, winner takes all, refinement
 /// and confidence. Holds the buffers of a frame and of every stage, so one object serves one frame
 /// at a time; from the second frame of one size and one set of options on, it allocates nothing.

@@ -21,6 +21,7 @@ namespace cbmv {
 ///   rows      T W (11 D + 130)  costs, terms and codes of the row that a thread works on, fewer
 ///                               with forests that ask for some of the matchers only
 ///   paths     4 W D             of semi-global matching
+///   surfaces  about W H (D / 8) (1 + 2 v) + 30 W H, with surface_prior
 ///   sums      of one tile of cost aggregation for each thread
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options);
 

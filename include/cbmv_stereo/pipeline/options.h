@@ -15,6 +15,7 @@ struct StereoOptions {
   DisparityRange range;
   RectificationOptions rectification;
   AggregationOptions aggregation;
+  SurfaceOptions surface;
   SgmOptions sgm;
   RefinementOptions refinement;
   int max_memory_mb = 0;  ///< of requiredMemoryMb; images that need more are refused; 0: no bound
