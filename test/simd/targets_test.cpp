@@ -1,5 +1,6 @@
 // Which instruction sets the vector code is compiled for and chooses.
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,9 @@ std::vector<std::string> targetNames() {
 
 /// What every processor of the kind has that is in use, and emulated vectors.
 TEST(SimdTargets, HoldTheLeastOfTheProcessor) {
+  for (const std::string& name : targetNames()) {
+    std::printf("[  TARGET  ] %s\n", name.c_str());
+  }
 #if HWY_ARCH_ARM_A64
   EXPECT_THAT(targetNames(), testing::Contains("NEON"));
 #elif HWY_ARCH_X86_64
@@ -32,10 +36,7 @@ TEST(SimdTargets, HoldTheLeastOfTheProcessor) {
 
 /// Tests that name no target run on real vectors.
 TEST(SimdTargets, TheBestIsNotTheEmulatedOne) {
-  const std::int64_t best = hwy::SupportedAndGeneratedTargets().front();
-  std::printf("[   BEST   ] %s\n", hwy::TargetName(best));
-  EXPECT_NE(best, HWY_EMU128);
-  EXPECT_NE(best, HWY_SCALAR);
+  EXPECT_NE(hwy::SupportedAndGeneratedTargets().front(), HWY_EMU128);
 }
 
 }  // namespace
