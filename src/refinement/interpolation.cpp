@@ -15,6 +15,7 @@ namespace cbmv {
 namespace {
 
 constexpr int kDirections = 16;
+constexpr int kQuarter = kDirections / 4;
 
 /// A ray from a pixel, walked in steps of one pixel along the image axis that it is closer to.
 struct Ray {
@@ -25,7 +26,6 @@ struct Ray {
 
 /// Rays at k · 22.5°, from the x axis to the y axis.
 std::array<Ray, kDirections> makeRays() {
-  constexpr int kQuarter = kDirections / 4;
   const cv::Point axes[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
   std::array<Ray, kDirections> rays;
   for (int k = 0; k < kDirections; ++k) {
