@@ -103,10 +103,11 @@ NccMatcher::Rows windowRows(const cv::Mat& padded, int y) {
           paddedRow<float>(padded, y + 1)};
 }
 
-/// Statistics of the windows of a row, in blocks of columns whose sums fit the stack.
+constexpr int kBlock = 512;  // columns whose sums fit the stack
+
+/// Statistics of the windows of a row, block by block.
 void sumWindowsOfRow(const NccMatcher::Rows& rows, int width, float* sums,
                      float* inverse_deviations) {
-  constexpr int kBlock = 512;
   std::array<float, kBlock + 2> columns{};
   for (int x = 0; x < width; x += kBlock) {
     HWY_DYNAMIC_DISPATCH(sumWindows)

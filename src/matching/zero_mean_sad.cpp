@@ -63,11 +63,12 @@ namespace {
 
 HWY_EXPORT(sumDeviations);
 
-/// Means of the windows around the pixels of row y, in blocks of columns whose sums fit the stack.
+constexpr int kWindow = ZeroMeanSadMatcher::kWindowPx;
+constexpr int kPixels = kWindow * kWindow;
+constexpr int kBlock = 512;  // columns whose sums fit the stack
+
+/// Means of the windows around the pixels of row y, block by block.
 void meansOfRow(const cv::Mat& padded, int y, int width, std::int16_t* means) {
-  constexpr int kWindow = ZeroMeanSadMatcher::kWindowPx;
-  constexpr int kPixels = kWindow * kWindow;
-  constexpr int kBlock = 512;
   std::array<int, kBlock + kWindow - 1> columns{};
   for (int first = 0; first < width; first += kBlock) {
     const int count = std::min(kBlock, width - first);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -22,34 +23,40 @@ class MatchingRow {
     forward_ = view == View::kRight;
     columns_ = columns;
     first_match_ = matchingColumn(view, forward_ ? columns.start : columns.end - 1, range.min);
-    values_.resize(static_cast<std::size_t>(columns.size() + range.count - 1) +
-                   kReadableBytesBeyond / sizeof(Value));
+    matches_ = columns.size() + range.count - 1;
+    values_.resize(matches_ + kReadableBytesBeyond / sizeof(Value));
   }
 
-  /// Takes value_at(column) for columns in [0, width), `outside` for all others.
-  template <typename ValueAt>
-  void fill(int width, Value outside, const ValueAt& value_at) {
-    int column = first_match_;
-    const int step = forward_ ? 1 : -1;
-    for (Value& value : values_) {
-      value = column >= 0 && column < width ? value_at(column) : outside;
-      column += step;
+  /// Takes the values of a row of the other image, `outside` for columns outside of its `width`.
+  void fill(const Value* row, int width, Value outside) {
+    // Of value i, the column is first_match_ + i or first_match_ − i.
+    const int lowest = forward_ ? -first_match_ : first_match_ - (width - 1);
+    const int begin = std::clamp(lowest, 0, matches_);
+    const int end = std::clamp(lowest + width, begin, matches_);
+    std::fill_n(values_.begin(), begin, outside);
+    std::fill(values_.begin() + end, values_.begin() + matches_, outside);
+    if (forward_) {
+      std::copy(row + first_match_ + begin, row + first_match_ + end, values_.begin() + begin);
+    } else {
+      std::reverse_copy(row + first_match_ - end + 1, row + first_match_ - begin + 1,
+                        values_.begin() + begin);
     }
   }
 
-  std::size_t size() const { return values_.size(); }
+  /// Number of values.
+  int size() const { return matches_; }
   const Value* data() const { return values_.data(); }
 
   /// Where the hypotheses of column x start in data().
   std::ptrdiff_t offset(int x) const {
     return forward_ ? x - columns_.start : columns_.end - 1 - x;
   }
-  const Value* hypotheses(int x) const { return values_.data() + offset(x); }
 
  private:
   bool forward_ = false;
   cv::Range columns_;
   int first_match_ = 0;
+  int matches_ = 0;
   std::vector<Value> values_;
 };
 

@@ -337,14 +337,14 @@ class PenaltyRow {
     penalties_ = penalties;
     other_edges_.resize(setup.view, columns, setup.range);
     for (std::size_t edge = 0; edge < 2; ++edge) {
-      p1_[edge].resize(other_edges_.size());
-      p2_[edge].resize(other_edges_.size());
+      p1_[edge].resize(other_edges_.size() + kReadableBytesBeyond / sizeof(PathCost));
+      p2_[edge].resize(p1_[edge].size());
     }
     rises_.assign(columns.size(), 0);
   }
 
   RowPenalties fill(const PathStep& step) {
-    other_edges_.fill(width_, 0, [&step](int column) { return step.other_edges[column]; });
+    other_edges_.fill(step.other_edges, width_, 0);
     for (std::size_t edge = 0; edge < 2; ++edge) {
       select(penalties_.p1[edge], penalties_.p1[edge + 1], p1_[edge]);
       select(penalties_.p2[edge], penalties_.p2[edge + 1], p2_[edge]);
@@ -367,8 +367,9 @@ class PenaltyRow {
 
   void select(PathCost without_edge, PathCost with_edge, std::vector<PathCost>& penalties) const {
     const std::uint8_t* edges = other_edges_.data();
-    for (std::size_t i = 0; i < penalties.size(); ++i) {
-      penalties[i] = edges[i] != 0 ? with_edge : without_edge;
+    PathCost* out = penalties.data();
+    for (int i = 0; i < other_edges_.size(); ++i) {
+      out[i] = edges[i] != 0 ? with_edge : without_edge;
     }
   }
 

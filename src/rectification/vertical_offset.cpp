@@ -139,22 +139,40 @@ CubicWeights cubicWeights() {
   return weights;
 }
 
-/// The image in column x at `row`, of each channel.
-void resamplePixel(const cv::Mat& image, int x, float row, const CubicWeights& weights,
-                   std::uint8_t* out) {
-  const int place = static_cast<int>(std::lrint(row * kSteps));
+/// Some columns of a row of the result, all from the same place in `image`: row place / kSteps.
+void resampleColumns(const cv::Mat& image, const cv::Range& columns, int place,
+                     const CubicWeights& weights, std::uint8_t* out) {
   const int step = place & (kSteps - 1);
   const int above = (place - step) / kSteps;
-  std::array<const std::uint8_t*, 4> pixels{};
+  const std::array<int, 4>& weight = weights[step];
+  std::array<const std::uint8_t*, 4> rows{};
   for (int k = 0; k < 4; ++k) {
-    pixels[k] = image.ptr(std::clamp(above - 1 + k, 0, image.rows - 1)) + x * image.channels();
+    rows[k] = image.ptr(std::clamp(above - 1 + k, 0, image.rows - 1));
   }
-  for (int channel = 0; channel < image.channels(); ++channel) {
-    int sum = kWeightUnits / 2;
-    for (int k = 0; k < 4; ++k) {
-      sum += weights[step][k] * pixels[k][channel];
+  for (int i = columns.start * image.channels(); i < columns.end * image.channels(); ++i) {
+    const int sum = weight[0] * rows[0][i] + weight[1] * rows[1][i] + weight[2] * rows[2][i] +
+                    weight[3] * rows[3][i] + kWeightUnits / 2;
+    out[i] = static_cast<std::uint8_t>(std::clamp(sum / kWeightUnits, 0, 255));
+  }
+}
+
+/// Row y of the aligned image: the offset changes slowly, so that runs of columns share a place.
+void alignRow(const cv::Mat& right, int y, const VerticalOffset& model, const CubicWeights& weights,
+              std::uint8_t* out) {
+  const auto place_of = [&](int x) {
+    return static_cast<int>(
+        std::lrint(kSteps * static_cast<float>(y + model.at(x, y, right.size()))));
+  };
+  int place = place_of(0);
+  for (int x = 0; x < right.cols;) {
+    cv::Range columns(x, x + 1);
+    int next = place;
+    while (columns.end < right.cols && (next = place_of(columns.end)) == place) {
+      ++columns.end;
     }
-    out[channel] = static_cast<std::uint8_t>(std::clamp(sum / kWeightUnits, 0, 255));
+    resampleColumns(right, columns, place, weights, out);
+    place = next;
+    x = columns.end;
   }
 }
 
@@ -221,10 +239,7 @@ cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model, cv::Ma
   aligned.create(right.size(), right.type());
   const CubicWeights weights = cubicWeights();
   tbb::parallel_for(0, right.rows, [&](int y) {
-    auto* out = aligned.ptr<std::uint8_t>(y);
-    for (int x = 0; x < right.cols; ++x, out += right.channels()) {
-      resamplePixel(right, x, static_cast<float>(y + model.at(x, y, right.size())), weights, out);
-    }
+    alignRow(right, y, model, weights, aligned.ptr<std::uint8_t>(y));
   });
   return aligned;
 }

@@ -15,21 +15,17 @@ namespace cbmv {
 namespace {
 
 constexpr int kDirections = 16;
+constexpr int kQuarter = kDirections / 4;
 
 /// A ray from a pixel, walked in steps of one pixel along the image axis that it is closer to.
 struct Ray {
   cv::Point along;   ///< that axis
   cv::Point aside;   ///< the other one
   double slope = 0;  ///< pixels aside a step along
-
-  cv::Point pixel(int step) const {
-    return step * along + static_cast<int>(step * slope + 0.5) * aside;
-  }
 };
 
 /// Rays at k · 22.5°, from the x axis to the y axis.
 std::array<Ray, kDirections> makeRays() {
-  constexpr int kQuarter = kDirections / 4;
   const cv::Point axes[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
   std::array<Ray, kDirections> rays;
   for (int k = 0; k < kDirections; ++k) {
@@ -46,14 +42,18 @@ std::array<Ray, kDirections> makeRays() {
 /// The nearest match on the ray from `start`; null when it leaves the image without one.
 const float* nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, const cv::Point& start,
                           const Ray& ray) {
-  const cv::Rect image(0, 0, labels.cols, labels.rows);
-  for (int step = 1;; ++step) {
-    const cv::Point pixel = start + ray.pixel(step);
-    if (!image.contains(pixel)) {
+  cv::Point axis = start;
+  double aside = 0.5;  // rounds to the nearest pixel
+  for (;;) {
+    axis += ray.along;
+    aside += ray.slope;
+    const int x = axis.x + static_cast<int>(aside) * ray.aside.x;
+    const int y = axis.y + static_cast<int>(aside) * ray.aside.y;
+    if (x < 0 || x >= labels.cols || y < 0 || y >= labels.rows) {
       return nullptr;
     }
-    if (labels.at<std::uint8_t>(pixel) == kMatch) {
-      return disparity.ptr<float>(pixel.y) + pixel.x;
+    if (labels.at<std::uint8_t>(y, x) == kMatch) {
+      return disparity.ptr<float>(y) + x;
     }
   }
 }

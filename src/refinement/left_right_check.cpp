@@ -1,5 +1,6 @@
 #include "cbmv_stereo/refinement/left_right_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -22,13 +23,17 @@ struct RightRow {
            std::abs(left_disparity - disparity[column]) <= max_difference_px;
   }
 
+  /// Looks at all disparities even if one agrees: this loop the compiler turns into vectors.
   bool agreesAnywhere(int x) const {
-    for (int d = range.min; d <= range.max(); ++d) {
-      if (agrees(x, static_cast<float>(d))) {
-        return true;
-      }
+    const int first = std::max(x - range.max(), 0);
+    const int last = std::min(x - range.min, width - 1);
+    int agreeing = 0;
+    for (int column = first; column <= last; ++column) {
+      const float difference = std::abs(static_cast<float>(x - column) - disparity[column]);
+      agreeing |= static_cast<int>(difference <= max_difference_px) &
+                  static_cast<int>(disparity[column] != range.invalid());
     }
-    return false;
+    return agreeing != 0;
   }
 };
 

@@ -44,11 +44,14 @@ void* counted(void* block) {
 
 extern "C" {
 
+// The C library's own functions.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
 void* __libc_realloc(void* block, std::size_t bytes);
 void* __libc_memalign(std::size_t alignment, std::size_t bytes);
 void __libc_free(void* block);
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 void* malloc(std::size_t bytes) { return counted(__libc_malloc(bytes)); }
 void* calloc(std::size_t count, std::size_t bytes) { return counted(__libc_calloc(count, bytes)); }
@@ -129,11 +132,11 @@ int blocksOf(const Run& run) {
 
 class Allocations : public testing::TestWithParam<Setup> {
  protected:
-  std::unique_ptr<StereoMatcher> matcher_ = makeMatcher(GetParam());
-  StereoResult result_;
+  std::unique_ptr<StereoMatcher> matcher = makeMatcher(GetParam());
+  StereoResult result;
 
   int blocksOfFrame(const Pair& pair) {
-    return blocksOf([&] { matcher_->match(pair.left, pair.right, someOffset(), result_); });
+    return blocksOf([&] { matcher->match(pair.left, pair.right, someOffset(), result); });
   }
 };
 
@@ -169,7 +172,7 @@ TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
     const Pair& pair = pairs[frame % 3];
     StereoResult fresh;
     const int blocks =
-        blocksOf([&] { fresh = matcher_->match(pair.left, pair.right, someOffset()); });
+        blocksOf([&] { fresh = matcher->match(pair.left, pair.right, someOffset()); });
     if (frame > 0) {
       EXPECT_EQ(blocks, 4) << "disparity, right disparity, labels, confidence";
     }
@@ -186,8 +189,8 @@ TEST_P(Allocations, StopAgainAfterAChangeOfSize) {
     EXPECT_EQ(blocksOfFrame((*some)[1]), 0);
     StereoResult expected;
     makeMatcher(GetParam())->match((*some)[1].left, (*some)[1].right, someOffset(), expected);
-    EXPECT_EQ(cv::norm(result_.disparity, expected.disparity, cv::NORM_INF), 0);
-    EXPECT_EQ(cv::norm(result_.confidence, expected.confidence, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(result.disparity, expected.disparity, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(result.confidence, expected.confidence, cv::NORM_INF), 0);
   }
 }
 
