@@ -1,10 +1,11 @@
 # Tests of the ROS side. test/ros/NAME_test.cpp need no master and become plain programs;
 # test/ros/stereo_rostest.cpp is run by rostest against the node and against the nodelet.
 find_package(rostest REQUIRED)
+find_package(image_geometry REQUIRED)  # how readers of camera_info understand it
 
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets GTest::gtest)
+  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets ${image_geometry_LIBRARIES} GTest::gtest)
   add_dependencies(tests ${target})
 endfunction()
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include "ros/conversions.h"
+#include "ros/input_messages.h"
 
 namespace cbmv {
 

@@ -80,7 +80,11 @@ class StereoClient {
   void withEach(const Use& use) {
     use(disparity, "disparity");
     use(points, "points2");
+    use(depth, "depth");
+    use(depth_raw, "depth_raw");
+    use(camera_info, "camera_info");
     use(confidence, "confidence");
+    use(valid_mask, "valid_mask");
     use(disparity_color, "disparity_color");
     use(status, "status");
   }
@@ -116,10 +120,11 @@ class StereoClient {
   }
   void publishColor(const sensor_msgs::ImagePtr& image) { color_.publish(image); }
 
-  /// Sets all run-time parameters; returns what the node made of them.
-  StereoOptions setOptions(const StereoOptions& options) {
+  /// Sets all run-time parameters; returns what the node made of those of the method.
+  StereoOptions setOptions(const StereoOptions& options, double min_confidence = 0) {
     auto config = cbmv_stereo::StereoConfig::__getDefault__();
     writeConfig(options, config);
+    config.min_confidence = min_confidence;
     dynamic_reconfigure::Reconfigure call;
     config.__toMessage__(call.request.config);
     if (!ros::service::waitForService(nh_.resolveName("cbmv_stereo/set_parameters"), 10000) ||
@@ -149,7 +154,11 @@ class StereoClient {
 
   Collector<stereo_msgs::DisparityImage> disparity;
   Collector<sensor_msgs::PointCloud2> points;
+  Collector<sensor_msgs::Image> depth;
+  Collector<sensor_msgs::Image> depth_raw;
+  Collector<sensor_msgs::CameraInfo> camera_info;
   Collector<sensor_msgs::Image> confidence;
+  Collector<sensor_msgs::Image> valid_mask;
   Collector<sensor_msgs::Image> disparity_color;
   Collector<cbmv_stereo::Status> status;
 

@@ -133,12 +133,13 @@ void expectCloud(const sensor_msgs::PointCloud2& cloud, const PairMessages& sent
 
 void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages& sent,
                           const StereoResult& expected) {
-  expectImageFields(message, sent, "bgr8", 3);
+  expectImageFields(message, sent, "rgb8", 3);
   const cv::Mat published = asMat(message, CV_8UC3);
   cv::Mat levels(1, 256, CV_8UC1);
   std::iota(levels.begin<uchar>(), levels.end<uchar>(), 0);
   cv::Mat map;
   cv::applyColorMap(levels, map, cv::COLORMAP_TURBO);
+  cv::cvtColor(map, map, cv::COLOR_BGR2RGB);
   for (int y = 0; y < kSize.height; ++y) {
     for (int x = 0; x < kSize.width; ++x) {
       const float d = expected.disparity.at<float>(y, x);
@@ -151,6 +152,47 @@ void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages&
       ASSERT_LE(cv::norm(published.at<cv::Vec3b>(y, x), wanted, cv::NORM_INF), 12);
     }
   }
+}
+
+/// Both depth images and the mask, pixel by pixel.
+void expectDepth(const StereoClient& client, const PairMessages& sent, const StereoResult& expected,
+                 const Rig& rig) {
+  const ros::Time stamp = sent.left_image->header.stamp;
+  expectImageFields(client.depth.at(stamp), sent, "32FC1", 4);
+  expectImageFields(client.depth_raw.at(stamp), sent, "16UC1", 2);
+  expectImageFields(client.valid_mask.at(stamp), sent, "mono8", 1);
+  const cv::Mat depth = asMat(client.depth.at(stamp), CV_32FC1);
+  const cv::Mat raw = asMat(client.depth_raw.at(stamp), CV_16UC1);
+  const cv::Mat mask = asMat(client.valid_mask.at(stamp), CV_8UC1);
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const float found = expected.disparity.at<float>(y, x);
+      const double d = found - (rig.cx_left_px - rig.cx_right_px);
+      const bool valid = found != expected.range.invalid();
+      ASSERT_EQ(mask.at<uchar>(y, x), valid ? 255 : 0);
+      if (!valid || d <= 0) {
+        ASSERT_TRUE(std::isnan(depth.at<float>(y, x)));
+        ASSERT_EQ(raw.at<std::uint16_t>(y, x), 0);
+        continue;
+      }
+      const double z = rig.focal_length_px * rig.baseline_m / d;
+      ASSERT_FLOAT_EQ(depth.at<float>(y, x), static_cast<float>(z));
+      ASSERT_NEAR(raw.at<std::uint16_t>(y, x), z < 65.5355 ? z * 1000 : 0, 0.51);
+    }
+  }
+}
+
+void expectCameraInfo(const sensor_msgs::CameraInfo& info, const PairMessages& sent,
+                      const Rig& rig) {
+  EXPECT_EQ(info.header.stamp, sent.left_image->header.stamp);
+  EXPECT_EQ(info.header.frame_id, sent.left_image->header.frame_id);
+  EXPECT_EQ(info.width, static_cast<unsigned>(kSize.width));
+  EXPECT_EQ(info.height, static_cast<unsigned>(kSize.height));
+  EXPECT_EQ(info.P[0], rig.focal_length_px);
+  EXPECT_EQ(info.P[2], rig.cx_left_px);
+  EXPECT_EQ(info.P[3], 0);
+  EXPECT_EQ(info.P[5], rig.focal_length_px);
+  EXPECT_EQ(info.P[6], rig.cy_px);
 }
 
 class StereoTopics : public ::testing::Test {
@@ -182,6 +224,8 @@ class StereoTopics : public ::testing::Test {
     const ros::Time stamp = sent.left_image->header.stamp;
     expectDisparity(client_.disparity.at(stamp), sent, expected, rig_);
     expectCloud(client_.points.at(stamp), sent, expected, rig_, color);
+    expectDepth(client_, sent, expected, rig_);
+    expectCameraInfo(client_.camera_info.at(stamp), sent, rig_);
     const sensor_msgs::Image& confidence = client_.confidence.at(stamp);
     expectImageFields(confidence, sent, "32FC1", 4);
     EXPECT_EQ(cv::norm(asMat(confidence, CV_32FC1), expected.confidence, cv::NORM_INF), 0);
@@ -394,8 +438,6 @@ TEST_F(StereoTopics, DropsBadInputWithAWarningAndLives) {
             makeImage(cv::Mat(60, 125, CV_8UC1, cv::Scalar(7)), "mono8", m.right_image->header);
       },
       {left, right, "125 x 81", "125 x 60"});
-  expectDropped([](PairMessages& m) { m.right_image->encoding = "8UC1"; },
-                {left, right, "'mono8'", "'8UC1'"});
   expectDropped([](PairMessages& m) { m.right_image->header.frame_id = "other"; },
                 {left, right, "'left_camera'", "'other'"});
   expectDropped([](PairMessages& m) { m.left_image->width = m.right_image->width = 0; },
@@ -408,6 +450,67 @@ TEST_F(StereoTopics, DropsBadInputWithAWarningAndLives) {
                 {"/stereo/right/camera_info", "P[0]"});
   expectDropped([](PairMessages& m) { m.left_info->width = 640; },
                 {"/stereo/left/camera_info", "640 x 81"});
+}
+
+TEST_F(StereoTopics, ImagesMayDifferInEncoding) {
+  const PairMessages sent = makeGoodMessages();
+  cv::Mat color;
+  cv::cvtColor(pair_.right, color, cv::COLOR_GRAY2BGR);
+  sent.right_image->encoding = "bgr8";
+  sent.right_image->step *= 3;
+  sent.right_image->data.assign(color.data, color.data + color.total() * color.elemSize());
+  client_.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), grey);
+}
+
+TEST_F(StereoTopics, RangeNeedNotBeAMultipleOfSixteen) {
+  StereoOptions options = testOptions();
+  options.range = {1, 13};
+  options_ = client_.setOptions(options);
+  EXPECT_EQ(options_.range.count, 13);
+  expectOutputsOf(expectedResult(pair_, options_));
+}
+
+TEST_F(StereoTopics, UncertainPixelsAreInvalid) {
+  constexpr float kMinConfidence = 0.6F;
+  options_ = client_.setOptions(testOptions(), kMinConfidence);
+  StereoResult expected = expectedResult(pair_, options_);
+  const cv::Mat uncertain = expected.confidence < kMinConfidence;
+  EXPECT_GT(cv::countNonZero(uncertain), 0);
+  EXPECT_GT(cv::countNonZero(~uncertain), 0);
+  expected.disparity.setTo(expected.range.invalid(), uncertain);
+  expectOutputsOf(expected);
+}
+
+/// Different regions of both sensors, read out with binning: cx of the images differ by more than
+/// those of the cameras.
+TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
+  PairMessages sent = makeGoodMessages();
+  for (const auto& info : {sent.left_info, sent.right_info}) {
+    info->width = 400;
+    info->height = 300;
+    info->binning_x = info->binning_y = 2;
+    info->roi.width = 2 * 125;
+    info->roi.height = 2 * 81;
+    info->roi.y_offset = 10;
+    info->P[0] = info->P[5] = 2 * rig_.focal_length_px;
+    info->P[2] = 200;
+    info->P[6] = 91;
+  }
+  sent.right_info->P[3] = -2 * rig_.focal_length_px * rig_.baseline_m;
+  sent.left_info->roi.x_offset = 74;
+  sent.right_info->roi.x_offset = 80;
+  rig_.cx_left_px = (200 - 74) / 2;
+  rig_.cx_right_px = (200 - 80) / 2;
+  rig_.cy_px = (91 - 10) / 2.0;
+  client_.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), grey);
 }
 
 TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
@@ -525,11 +628,18 @@ TEST(Startup, PresetYieldsToExplicitParameters) {
 }
 
 TEST(Startup, RefusesBadPrivateParameters) {
-  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1)}) {
+  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1),
+                                    std::pair("approximate_sync_max_interval_s", -1),
+                                    std::pair("approximate_sync", 1),  // neither true nor false
+                                    std::pair("points_max_depth_m", -1)}) {
     LocalNodelet nodelet("bad_parameter_test");
     nodelet.parameters().setParam(name, value);
     EXPECT_FALSE(nodelet.load()) << name;
   }
+  LocalNodelet nodelet("bad_parameter_test");
+  nodelet.parameters().setParam("points_min_depth_m", 5);
+  nodelet.parameters().setParam("points_max_depth_m", 4.5);
+  EXPECT_FALSE(nodelet.load());
 }
 
 /// Publishes a pair to the inputs of a namespace until its disparity comes back.
