@@ -52,6 +52,7 @@ void PointCloudNodelet::initialize() {
       getNodeHandle(), parameters,
       Inputs::Topics{"left/image_rect_color", "left/camera_info", "right/camera_info", "disparity"},
       [this](const auto&... messages) { receive({messages...}); });
+  topics_ = inputs_->topics();
   publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
   silence_timer_ = getNodeHandle().createWallTimer(
       ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });

@@ -77,6 +77,11 @@ class SynchronizedInputs {
         options_(SyncOptions::read(parameters)),
         callback_(std::move(callback)),
         monitor_(kTopics, remedy()) {
+    // Before the synchronizer: a message is counted before the set that it completes.
+    watch(first_, 0);
+    watch(second_, 1);
+    watch(third_, 2);
+    watch(fourth_, 3);
     if (options_.approximate) {
       ApproximatePolicy policy(static_cast<std::uint32_t>(options_.queue_size));
       if (options_.max_interval_s > 0) {
@@ -86,10 +91,6 @@ class SynchronizedInputs {
     } else {
       exact_ = makeSynchronizer(ExactPolicy(static_cast<std::uint32_t>(options_.queue_size)));
     }
-    watch(first_, 0);
-    watch(second_, 1);
-    watch(third_, 2);
-    watch(fourth_, 3);
   }
 
   const SyncOptions& options() const { return options_; }

@@ -2,20 +2,14 @@
 // outside, against the core called in this process.
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <numeric>
 
 #include <gtest/gtest.h>
-#include <nodelet/loader.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "ros/forest_fixture.h"
 #include "ros/stereo_client.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv {
@@ -200,7 +194,8 @@ class StereoTopics : public ::testing::Test {
   void SetUp() override {
     options_ = client_.setOptions(testOptions());
     client_.subscribeAll();
-    ASSERT_TRUE(waitFor([&] { return client_.inputsAreWanted() && client_.colorIsWanted(); }));
+    ASSERT_TRUE(
+        waitFor([&] { return client_.cameras.pairIsWanted() && client_.cameras.colorIsWanted(); }));
     ASSERT_TRUE(waitFor([&] { return client_.allConnected(); }));
   }
 
@@ -213,7 +208,7 @@ class StereoTopics : public ::testing::Test {
   /// Sends the pair and compares every field of every output.
   void expectOutputsOf(const StereoResult& expected) {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     cv::Mat grey;
     cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
@@ -237,7 +232,7 @@ class StereoTopics : public ::testing::Test {
 
   std::uint64_t badInputsSoFar() {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     return client_.status.at(sent.left_image->header.stamp).dropped_bad_input;
   }
@@ -249,8 +244,8 @@ class StereoTopics : public ::testing::Test {
     const std::uint64_t before = badInputsSoFar();
     PairMessages messages = makeGoodMessages();
     spoil(messages);
-    client_.publish(messages);
-    EXPECT_TRUE(client_.waitForWarning(words)) << "no warning with '" << words.front() << "'";
+    client_.cameras.publish(messages);
+    EXPECT_TRUE(client_.log.waitForWarning(words)) << "no warning with '" << words.front() << "'";
     expectAlive();
     EXPECT_EQ(badInputsSoFar(), before + 1);
     EXPECT_FALSE(client_.disparity.has(messages.left_image->header.stamp));
@@ -296,7 +291,7 @@ TEST_F(StereoTopics, VergedRig) {
   rig_.cx_right_px = 68;  // matched disparities are 5.5 px less than those of parallel cameras
   expectOutputsOf(expectedResult(pair_, options_));
   const PairMessages sent = makeGoodMessages();
-  client_.publish(sent);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   const auto& cloud = client_.points.at(sent.left_image->header.stamp);
   float z = 0;
@@ -320,7 +315,7 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   ASSERT_TRUE(waitFor([&] {
     sent = makeGoodMessages();
     stamp = sent.left_image->header.stamp;
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     return waitForOutputs(stamp) && client_.status.at(stamp).vertical_offset_matches > 0;
   }));
   const cbmv_stereo::Status& status = client_.status.at(stamp);
@@ -350,9 +345,9 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
       cv::cvtColor(bgr, color, code);
     }
     const PairMessages sent = makeGoodMessages();
-    client_.publishColor(makeImage(color, encoding, sent.left_image->header));
-    waitFor([] { return false; }, 0.2);  // colour is taken only if it is there
-    client_.publish(sent);
+    client_.cameras.publishColor(makeImage(color, encoding, sent.left_image->header));
+    wait(0.2);  // colour is taken only if it is there
+    client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     expectAll(sent, expected, bgr);
   }
@@ -360,22 +355,22 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
 
 TEST_F(StereoTopics, CloudStaysGreyWithUnusableColour) {
   const PairMessages sent = makeGoodMessages();
-  client_.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
-  waitFor([] { return false; }, 0.2);
-  client_.publish(sent);
+  client_.cameras.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
+  wait(0.2);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
   expectAll(sent, expectedResult(pair_, options_), grey);
-  EXPECT_TRUE(client_.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
 }
 
 TEST_F(StereoTopics, StatusDescribesTheFrame) {
   const PairMessages first = makeGoodMessages();
-  client_.publish(first);
+  client_.cameras.publish(first);
   ASSERT_TRUE(waitForOutputs(first.left_image->header.stamp));
   const PairMessages second = makeGoodMessages();
-  client_.publish(second);
+  client_.cameras.publish(second);
   ASSERT_TRUE(waitForOutputs(second.left_image->header.stamp));
   const cbmv_stereo::Status& before = client_.status.at(first.left_image->header.stamp);
   const cbmv_stereo::Status& status = client_.status.at(second.left_image->header.stamp);
@@ -406,7 +401,7 @@ TEST_F(StereoTopics, StatusDescribesTheFrame) {
 TEST_F(StereoTopics, NewestFrameWins) {
   const cbmv_stereo::Status before = [&] {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     return client_.status.at(sent.left_image->header.stamp);
   }();
@@ -417,9 +412,9 @@ TEST_F(StereoTopics, NewestFrameWins) {
   constexpr int kFrames = 15;
   ros::Time last;
   for (int i = 0; i < kFrames; ++i) {
-    waitFor([] { return false; }, 0.01);  // else messages would pile up before the node
+    wait(0.01);  // else messages would pile up before the node
     last = ros::Time::now();
-    client_.publish(makeMessages(pair_, rig_, last));
+    client_.cameras.publish(makeMessages(pair_, rig_, last));
   }
   ASSERT_TRUE(waitForOutputs(last)) << "the newest frame was dropped";
   const cbmv_stereo::Status& status = client_.status.at(last);
@@ -459,7 +454,7 @@ TEST_F(StereoTopics, ImagesMayDifferInEncoding) {
   sent.right_image->encoding = "bgr8";
   sent.right_image->step *= 3;
   sent.right_image->data.assign(color.data, color.data + color.total() * color.elemSize());
-  client_.publish(sent);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
@@ -506,7 +501,7 @@ TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
   rig_.cx_left_px = (200 - 74) / 2;
   rig_.cx_right_px = (200 - 80) / 2;
   rig_.cy_px = (91 - 10) / 2.0;
-  client_.publish(sent);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
@@ -519,12 +514,12 @@ TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
   client_.setOptions(options);
   options.range.count = kSize.width;
   expectOutputsOf(expectedResult(pair_, options));
-  EXPECT_TRUE(client_.waitForWarning({"disparity_range is 200", "125 px"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"disparity_range is 200", "125 px"}));
 
   options.range = {200, 16};
   client_.setOptions(options);
-  client_.publish(makeGoodMessages());
-  EXPECT_TRUE(client_.waitForWarning({"200 ... 215 px", "125 px"}));
+  client_.cameras.publish(makeGoodMessages());
+  EXPECT_TRUE(client_.log.waitForWarning({"200 ... 215 px", "125 px"}));
   options_ = client_.setOptions(testOptions());
   expectAlive();
 }
@@ -540,163 +535,25 @@ TEST_F(StereoTopics, ParametersAreCorrectedAndTheCorrectionIsReported) {
     return describeOptions(options);
   }());
   EXPECT_LE(options_.sgm.p1, options_.sgm.p2);
-  EXPECT_TRUE(client_.waitForWarning({"P1", "P2"}));
-  EXPECT_TRUE(client_.waitForWarning({"median_size"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"P1", "P2"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"median_size"}));
   expectAlive();
 }
 
 TEST(LazySubscription, InputsAreSubscribedOnlyWhileAnOutputIs) {
   StereoClient client;
   client.setOptions(testOptions());  // the node is up
-  EXPECT_FALSE(waitFor([&] { return client.anyInputIsWanted(); }, 1));
+  EXPECT_FALSE(waitFor([&] { return client.cameras.anyIsWanted(); }, 0.3));
   ros::NodeHandle nh;
   client.withEach([&](auto& output, const std::string& topic) {
     SCOPED_TRACE(topic);
     output.subscribe(nh, topic);
-    EXPECT_TRUE(waitFor([&] { return client.inputsAreWanted(); }));
-    EXPECT_EQ(waitFor([&] { return client.colorIsWanted(); }, 0.5), topic == "points2");
+    EXPECT_TRUE(waitFor([&] { return client.cameras.pairIsWanted(); }));
+    const bool colored = topic == "points2";
+    EXPECT_EQ(waitFor([&] { return client.cameras.colorIsWanted(); }, colored ? 10 : 0.1), colored);
     output.unsubscribe();
-    EXPECT_TRUE(waitFor([&] { return !client.anyInputIsWanted(); }));
+    EXPECT_TRUE(waitFor([&] { return !client.cameras.anyIsWanted(); }));
   });
-}
-
-/// A nodelet in this process, with topics and parameters in a namespace of its own.
-class LocalNodelet {
- public:
-  explicit LocalNodelet(const std::string& name_space)
-      : name_("/" + name_space + "/cbmv_stereo"), parameters_(name_), loader_(false) {
-    parameters_.setParam("forest", CBMV_TEST_FOREST);
-  }
-  ~LocalNodelet() { parameters_.deleteParam(name_); }
-
-  ros::NodeHandle& parameters() { return parameters_; }
-  bool load() { return loader_.load(name_, "cbmv_stereo/stereo", {}, {}); }
-  bool unload() { return loader_.unload(name_); }
-
- private:
-  std::string name_;
-  ros::NodeHandle parameters_;
-  nodelet::Loader loader_;
-};
-
-TEST(Startup, ForestIsRequired) {
-  const std::string damaged = CBMV_TEST_FOREST ".damaged";
-  std::ofstream(damaged) << "this is not a forest";
-  for (const std::string& path : {std::string(), std::string("/nonexistent/a.forest"), damaged}) {
-    LocalNodelet nodelet("forest_test");
-    nodelet.parameters().setParam("forest", path);
-    EXPECT_FALSE(nodelet.load()) << path;
-  }
-  LocalNodelet nodelet("forest_test");
-  EXPECT_TRUE(nodelet.load());
-}
-
-TEST(Startup, LoadsTheForestOfThePackage) {
-  LocalNodelet nodelet("package_forest_test");
-  nodelet.parameters().setParam("forest", CBMV_SOURCE_DIR "/models/middlebury.forest");
-  EXPECT_TRUE(nodelet.load());
-}
-
-TEST(Startup, NodeWithoutForestExitsWithAnError) {
-  const pid_t child = fork();
-  if (child == 0) {
-    execl(CBMV_STEREO_NODE, "cbmv_stereo_node", "__name:=no_forest",
-          "_forest:=/nonexistent/a.forest", nullptr);
-    _exit(0);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1);
-}
-
-TEST(Startup, PresetYieldsToExplicitParameters) {
-  const std::string preset = CBMV_TEST_FOREST ".yaml";
-  std::ofstream(preset) << "P1: 3\nsgm_iterations: 1\nsubpixel: false\n";
-  LocalNodelet nodelet("preset_test");
-  nodelet.parameters().setParam("preset", preset);
-  nodelet.parameters().setParam("sgm_iterations", 3);
-  ASSERT_TRUE(nodelet.load());
-  double p1 = 0;
-  int iterations = 0;
-  bool subpixel = true;
-  EXPECT_TRUE(nodelet.parameters().getParam("P1", p1));
-  EXPECT_TRUE(nodelet.parameters().getParam("sgm_iterations", iterations));
-  EXPECT_TRUE(nodelet.parameters().getParam("subpixel", subpixel));
-  EXPECT_EQ(p1, 3);
-  EXPECT_EQ(iterations, 3);
-  EXPECT_FALSE(subpixel);
-}
-
-TEST(Startup, RefusesBadPrivateParameters) {
-  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1),
-                                    std::pair("approximate_sync_max_interval_s", -1),
-                                    std::pair("approximate_sync", 1),  // neither true nor false
-                                    std::pair("points_max_depth_m", -1)}) {
-    LocalNodelet nodelet("bad_parameter_test");
-    nodelet.parameters().setParam(name, value);
-    EXPECT_FALSE(nodelet.load()) << name;
-  }
-  LocalNodelet nodelet("bad_parameter_test");
-  nodelet.parameters().setParam("points_min_depth_m", 5);
-  nodelet.parameters().setParam("points_max_depth_m", 4.5);
-  EXPECT_FALSE(nodelet.load());
-}
-
-/// Publishes a pair to the inputs of a namespace until its disparity comes back.
-bool disparityComesBack(const std::string& name_space,
-                        const std::function<void(PairMessages&)>& change) {
-  ros::NodeHandle nh("/" + name_space);
-  auto left_image = nh.advertise<sensor_msgs::Image>("left/image_rect", 5);
-  auto left_info = nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 5);
-  auto right_image = nh.advertise<sensor_msgs::Image>("right/image_rect", 5);
-  auto right_info = nh.advertise<sensor_msgs::CameraInfo>("right/camera_info", 5);
-  Collector<stereo_msgs::DisparityImage> disparity;
-  disparity.subscribe(nh, "disparity");
-  return waitFor(
-      [&] {
-        PairMessages messages =
-            makeMessages(renderPair(kSize, kFarPx, kNearPx), {}, ros::Time::now());
-        change(messages);
-        left_image.publish(messages.left_image);
-        left_info.publish(messages.left_info);
-        right_image.publish(messages.right_image);
-        right_info.publish(messages.right_info);
-        waitFor([] { return false; }, 0.1);
-        return disparity.count() > 0;
-      },
-      4);
-}
-
-TEST(Synchronisation, CloseStampsNeedApproximateSync) {
-  const auto delay_right = [](PairMessages& messages) {
-    messages.right_image->header.stamp += ros::Duration(0.002);
-    messages.right_info->header.stamp += ros::Duration(0.002);
-  };
-  for (const bool approximate : {false, true}) {
-    LocalNodelet nodelet("sync_test");
-    nodelet.parameters().setParam("approximate_sync", approximate);
-    ASSERT_TRUE(nodelet.load());
-    EXPECT_EQ(disparityComesBack("sync_test", delay_right), approximate);
-  }
-}
-
-TEST(FrameIds, MayDifferIfAllowed) {
-  LocalNodelet nodelet("frame_id_test");
-  nodelet.parameters().setParam("allow_different_frame_ids", true);
-  ASSERT_TRUE(nodelet.load());
-  EXPECT_TRUE(disparityComesBack("frame_id_test", [](PairMessages& messages) {
-    messages.right_image->header.frame_id = "right_camera";
-  }));
-}
-
-TEST(Shutdown, UnloadsWhileAFrameIsInWork) {
-  for (int round = 0; round < 5; ++round) {
-    LocalNodelet nodelet("unload_test");
-    nodelet.parameters().setParam("disparity_range", 64);
-    ASSERT_TRUE(nodelet.load());
-    ASSERT_TRUE(disparityComesBack("unload_test", [](PairMessages&) {}));
-    EXPECT_TRUE(nodelet.unload());
-  }
 }
 
 }  // namespace
