@@ -3,6 +3,9 @@
 find_package(rostest REQUIRED)
 find_package(image_geometry REQUIRED)  # how readers of camera_info understand it
 
+find_package(stereo_image_proc QUIET)  # what the node is compared with
+find_package(image_proc QUIET)
+
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets ${image_geometry_LIBRARIES} GTest::gtest)
@@ -15,6 +18,8 @@ foreach(test_source ${ros_test_sources})
   add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
   cbmv_link_ros_test(${test_name})
   target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
+  target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    CBMV_STOCK_LAUNCH_FILE="${stereo_image_proc_PREFIX}/share/stereo_image_proc/launch/stereo_image_proc.launch")
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
@@ -35,8 +40,6 @@ add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 # Programs that rostest runs: it looks for them where catkin puts programs.
 set(CBMV_ROSTESTS stereo configuration point_cloud)
 set(launch_files stereo_node stereo_nodelet configuration)
-find_package(stereo_image_proc QUIET)
-find_package(image_proc QUIET)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND CBMV_ROSTESTS parity replacement)
   list(APPEND launch_files parity replacement)

@@ -17,9 +17,19 @@ namespace encodings = sensor_msgs::image_encodings;
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-sensor_msgs::RegionOfInterest validWindow(const DisparityRange& range, cv::Size size) {
-  const int first = std::clamp(range.min, 0, size.width);
-  const int end = std::clamp(size.width + range.max(), first, size.width);
+cv::Mat isFound(const StereoResult& result) { return result.disparity != result.range.invalid(); }
+
+sensor_msgs::RegionOfInterest validWindow(const StereoResult& result) {
+  const cv::Size size = result.disparity.size();
+  const cv::Mat found = isFound(result);
+  int first = std::clamp(result.range.min, 0, size.width);
+  int end = std::clamp(size.width + result.range.max(), first, size.width);
+  if (cv::countNonZero(found.colRange(0, first)) > 0) {
+    first = 0;
+  }
+  if (cv::countNonZero(found.colRange(end, size.width)) > 0) {
+    end = size.width;
+  }
   sensor_msgs::RegionOfInterest window;
   window.x_offset = static_cast<std::uint32_t>(first);
   window.width = static_cast<std::uint32_t>(end - first);
@@ -36,8 +46,6 @@ cv::Mat toDepth(const StereoResult& result, const StereoGeometry& geometry) {
   }
   return depth;
 }
-
-cv::Mat isFound(const StereoResult& result) { return result.disparity != result.range.invalid(); }
 
 /// Of a rectified camera without distortion, with calib.txt's one focal length.
 sensor_msgs::CameraInfo toCameraInfo(const StereoCalibration& calibration, double cx, double tx,
@@ -72,7 +80,7 @@ stereo_msgs::DisparityImage toDisparityImage(const StereoResult& result,
   message.min_disparity = static_cast<float>(result.range.min - offset);
   message.max_disparity = static_cast<float>(result.range.max() - offset);
   message.delta_d = static_cast<float>(delta_d);
-  message.valid_window = validWindow(result.range, result.disparity.size());
+  message.valid_window = validWindow(result);
   cv::Mat published = toValidDisparity(result, geometry);
   cv::patchNaNs(published, message.min_disparity - 1.0F);
   message.image = toMessage(published, encodings::TYPE_32FC1, header);

@@ -29,7 +29,8 @@ double disparityStep(const DisparityRange& range, const RefinementOptions& optio
 /// Conventions of stereo_image_proc: image 32FC1, f and T as in StereoGeometry, max_disparity the
 /// largest that is tested. Published disparities, min_disparity and max_disparity are the matcher's
 /// minus geometry.disparity_offset_px, so that Z = f T / d; pixels without a disparity hold
-/// min_disparity − 1. valid_window: the columns in which at least one hypothesis exists.
+/// min_disparity − 1. valid_window: the columns in which at least one hypothesis exists, and what
+/// lies to the left or right of them if disparities have been filled in there.
 stereo_msgs::DisparityImage toDisparityImage(const StereoResult& result,
                                              const StereoGeometry& geometry, double delta_d,
                                              const std_msgs::Header& header);

@@ -48,10 +48,9 @@ void PointCloudNodelet::initialize() {
   };
   // Until the publisher is there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  inputs_ = std::make_unique<Inputs>(
-      getNodeHandle(), parameters,
-      Inputs::Topics{"left/image_rect_color", "left/camera_info", "right/camera_info", "disparity"},
-      [this](const auto&... messages) { receive({messages...}); });
+  inputs_ =
+      std::make_unique<CloudInputs>(getNodeHandle(), parameters, kCloudInputTopics,
+                                    [this](const auto&... messages) { receive({messages...}); });
   topics_ = inputs_->topics();
   publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
   silence_timer_ = getNodeHandle().createWallTimer(

@@ -9,8 +9,8 @@
 #include <ros/ros.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "ros/nodelet_inputs.h"
 #include "ros/point_cloud.h"
-#include "ros/synchronized_inputs.h"
 #include "ros/warning_throttle.h"
 
 namespace cbmv {
@@ -31,9 +31,6 @@ class PointCloudNodelet : public nodelet::Nodelet {
   ~PointCloudNodelet() override;
 
  private:
-  using Inputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::CameraInfo,
-                                    sensor_msgs::CameraInfo, stereo_msgs::DisparityImage>;
-
   /// Throws Error, after having logged it as fatal, if the nodelet cannot work as configured.
   void onInit() override;
   void initialize();
@@ -48,10 +45,10 @@ class PointCloudNodelet : public nodelet::Nodelet {
   void warn(int cause, const std::string& sentence);
 
   CloudOptions options_;
-  std::array<std::string, Inputs::kTopics> topics_;  ///< resolved
-  std::mutex subscriptions_mutex_;                   ///< of what follows
+  std::array<std::string, CloudInputs::kTopics> topics_;  ///< resolved
+  std::mutex subscriptions_mutex_;                        ///< of what follows
   bool stopping_ = false;
-  std::unique_ptr<Inputs> inputs_;
+  std::unique_ptr<CloudInputs> inputs_;
   ros::Publisher publisher_;
 
   ros::WallTimer silence_timer_;

@@ -112,12 +112,11 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
 
   // Until all outputs are there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  inputs_ = std::make_unique<Inputs>(nh, parameters,
-                                     Inputs::Topics{"left/image_rect", "left/camera_info",
-                                                    "right/image_rect", "right/camera_info"},
+  inputs_ =
+      std::make_unique<StereoInputs>(nh, parameters, kStereoInputTopics,
                                      [this](const auto&... messages) { receive({messages...}); });
   topics_ = toTopics(inputs_->topics());
-  color_topic_ = nh.resolveName("left/image_rect_color");
+  color_topic_ = nh.resolveName(kColorTopic);
   color_transport_ = std::make_unique<image_transport::ImageTransport>(nh);
   colors_.emplace(static_cast<std::size_t>(inputs_->options().queue_size));
   outputs_ = std::make_unique<OutputPublishers>(nh, stereoOutputs(cloud_options),
@@ -145,7 +144,7 @@ void StereoNodelet::updateColorSubscription() {
     color_subscriber_.shutdown();
   } else if (!color_subscriber_) {
     color_subscriber_ = color_transport_->subscribe(
-        "left/image_rect_color", static_cast<std::uint32_t>(inputs_->options().queue_size),
+        kColorTopic, static_cast<std::uint32_t>(inputs_->options().queue_size),
         [this](const sensor_msgs::ImageConstPtr& image) { colors_->add(image); }, nullptr,
         inputs_->hints());
   }

@@ -13,10 +13,10 @@
 
 #include "ros/color_buffer.h"
 #include "ros/frame_worker.h"
+#include "ros/nodelet_inputs.h"
 #include "ros/output_publishers.h"
 #include "ros/private_parameters.h"
 #include "ros/stereo_processor.h"
-#include "ros/synchronized_inputs.h"
 #include "ros/warning_throttle.h"
 
 #include <cbmv_stereo/StereoConfig.h>
@@ -34,9 +34,6 @@ class StereoNodelet : public nodelet::Nodelet {
   ~StereoNodelet() override;
 
  private:
-  using Inputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::CameraInfo, sensor_msgs::Image,
-                                    sensor_msgs::CameraInfo>;
-
   /// Throws Error, after having logged it as fatal, if the nodelet cannot work as configured.
   void onInit() override;
   void initialize();
@@ -70,7 +67,7 @@ class StereoNodelet : public nodelet::Nodelet {
 
   std::mutex subscriptions_mutex_;  ///< of what follows
   bool stopping_ = false;
-  std::unique_ptr<Inputs> inputs_;
+  std::unique_ptr<StereoInputs> inputs_;
   std::unique_ptr<image_transport::ImageTransport> color_transport_;
   image_transport::Subscriber color_subscriber_;
   std::unique_ptr<OutputPublishers> outputs_;

@@ -33,7 +33,7 @@ class SyncMonitor {
   /// are from those of the first topic.
   std::string report(ros::SteadyTime now, const std::vector<TopicState>& states);
 
-  static constexpr double kFirstReportS = 5;
+  static constexpr double kFirstReportS = 4;
   static constexpr double kNextReportS = 30;
 
  private:

@@ -116,6 +116,13 @@ class SynchronizedInputs {
     subscribed_ = false;
   }
 
+  /// Types of the messages, such as sensor_msgs/Image.
+  static std::array<std::string, kTopics> types() {
+    namespace traits = ros::message_traits;
+    return {traits::datatype<M0>(), traits::datatype<M1>(), traits::datatype<M2>(),
+            traits::datatype<M3>()};
+  }
+
   /// Resolved, in the order of the messages.
   std::array<std::string, kTopics> topics() const {
     std::array<std::string, kTopics> names;

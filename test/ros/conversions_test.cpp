@@ -69,7 +69,7 @@ TEST(GreyPair, ReadsRowsWithPadding) {
   EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ConvertsColourAndSixteenBits) {
+TEST(GreyPair, ConvertsColour) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   for (const auto& [encoding, code] :
        {std::pair("bgr8", cv::COLOR_GRAY2BGR), std::pair("rgba8", cv::COLOR_GRAY2RGBA)}) {
@@ -412,6 +412,22 @@ TEST(DisparityImage, ValidWindowHoldsTheColumnsThatHaveAHypothesis) {
     EXPECT_EQ(window.height, 4U);
     EXPECT_FALSE(window.do_rectify);
   }
+}
+
+TEST(DisparityImage, ValidWindowHoldsWhatWasFilledIn) {
+  StereoResult result;
+  result.range = {3, 4};
+  result.disparity = cv::Mat_<float>(4, 11, result.range.invalid());
+  result.disparity.at<float>(2, 1) = 4;  // no hypothesis lies in the image here
+  auto window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
+  EXPECT_EQ(window.x_offset, 0U);
+  EXPECT_EQ(window.width, 11U);
+  result.range = {-6, 4};
+  result.disparity.setTo(result.range.invalid());
+  result.disparity.at<float>(2, 10) = -4;
+  window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
+  EXPECT_EQ(window.x_offset, 0U);
+  EXPECT_EQ(window.width, 11U);
 }
 
 TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
