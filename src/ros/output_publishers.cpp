@@ -50,13 +50,6 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
                return toDisparityImage(frame.processed.result, frame.processed.geometry,
                                        frame.processed.disparity_step_px, frame.header);
              }),
-      output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
-             [cloud_options](const Frame& frame) {
-               const ProcessedFrame& processed = frame.processed;
-               return toPointCloud({toValidDisparity(processed.result, processed.geometry),
-                                    frame.color(), processed.result.confidence},
-                                   processed.geometry, cloud_options, frame.header);
-             }),
       output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
              [](const Frame& frame) {
                return toDepthImage(frame.processed.result, frame.processed.geometry, frame.header);
@@ -84,6 +77,14 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              "where there is none",
              [](const Frame& frame) {
                return toDisparityColorImage(frame.processed.result, frame.header);
+             }),
+      // After the images, because it may wait for colour.
+      output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
+             [cloud_options](const Frame& frame) {
+               const ProcessedFrame& processed = frame.processed;
+               return toPointCloud({toValidDisparity(processed.result, processed.geometry),
+                                    frame.color(), processed.result.confidence},
+                                   processed.geometry, cloud_options, frame.header);
              }),
       output("status",
              "Time of each stage and age of the frame in milliseconds, frames processed and "

@@ -43,14 +43,16 @@ void PointCloudNodelet::onInit() {
 void PointCloudNodelet::initialize() {
   const PrivateParameters parameters(getPrivateNodeHandle(), pointCloudPrivateParameters());
   options_ = readCloudOptions(parameters);
+  worker_ = std::make_unique<FrameWorker<CloudMessages>>(
+      [this](const CloudMessages& messages) { work(messages); });
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
     updateSubscriptions();
   };
   // Until the publisher is there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  inputs_ =
-      std::make_unique<CloudInputs>(getNodeHandle(), parameters, kCloudInputTopics,
-                                    [this](const auto&... messages) { receive({messages...}); });
+  inputs_ = std::make_unique<CloudInputs>(
+      getNodeHandle(), parameters, kCloudInputTopics,
+      [this](const auto&... messages) { worker_->submit({messages...}); });
   topics_ = inputs_->topics();
   publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
   silence_timer_ = getNodeHandle().createWallTimer(
@@ -62,8 +64,11 @@ void PointCloudNodelet::stop() {
     const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
     stopping_ = true;
   }
+  // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
+  // publisher waits for its callbacks when it goes.
   silence_timer_.stop();
   inputs_.reset();
+  worker_.reset();
   publisher_.shutdown();
 }
 
@@ -88,7 +93,7 @@ void PointCloudNodelet::reportSilence() {
   }
 }
 
-void PointCloudNodelet::receive(const CloudMessages& messages) {
+void PointCloudNodelet::work(const CloudMessages& messages) {
   try {
     publisher_.publish(boost::make_shared<sensor_msgs::PointCloud2>(makeCloud(messages)));
   } catch (const InputError& error) {

@@ -9,6 +9,7 @@
 #include <ros/ros.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "ros/frame_worker.h"
 #include "ros/nodelet_inputs.h"
 #include "ros/point_cloud.h"
 #include "ros/warning_throttle.h"
@@ -37,7 +38,9 @@ class PointCloudNodelet : public nodelet::Nodelet {
   void stop();
   void updateSubscriptions();
   void reportSilence();
-  void receive(const CloudMessages& messages);
+
+  // In the worker's thread
+  void work(const CloudMessages& messages);
   sensor_msgs::PointCloud2 makeCloud(const CloudMessages& messages);
   cv::Mat colorOf(const CloudMessages& messages, cv::Size size);
 
@@ -53,6 +56,7 @@ class PointCloudNodelet : public nodelet::Nodelet {
 
   ros::WallTimer silence_timer_;
   WarningThrottle throttle_{5.0};
+  std::unique_ptr<FrameWorker<CloudMessages>> worker_;  ///< stops first
 };
 
 }  // namespace cbmv

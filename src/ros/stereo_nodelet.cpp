@@ -18,6 +18,7 @@ namespace cbmv {
 namespace {
 
 constexpr double kSilenceCheckS = 1;
+constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
 enum Cause { kFailed = 100, kRangeClipped, kColorUnusable };
@@ -44,12 +45,12 @@ void StereoNodelet::stop() {
   {
     const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
     stopping_ = true;
+    color_subscriber_.shutdown();
   }
   // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
   // publisher waits for its callbacks when it goes.
   config_server_.reset();
   silence_timer_.stop();
-  color_subscriber_.shutdown();
   inputs_.reset();
   worker_.reset();
   outputs_.reset();
@@ -63,7 +64,8 @@ void StereoNodelet::initialize() {
   processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
                                                  parameters.get<bool>("allow_different_frame_ids"));
   offerConfig();
-  worker_ = std::make_unique<FrameWorker>([this](const StereoMessages& frame) { work(frame); });
+  worker_ = std::make_unique<FrameWorker<StereoMessages>>(
+      [this](const StereoMessages& frame) { work(frame); });
   openTopics(parameters);
   silence_timer_ = getNodeHandle().createWallTimer(
       ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });
@@ -125,7 +127,7 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
 
 void StereoNodelet::updateSubscriptions() {
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  if (stopping_) {
+  if (stopping_ || !outputs_) {
     return;
   }
   try {
@@ -201,7 +203,7 @@ void StereoNodelet::work(const StereoMessages& frame) {
 }
 
 cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
-  if (const auto image = colors_->find(frame.left_image->header.stamp)) {
+  if (const auto image = colors_->find(frame.left_image->header.stamp, colorPatience())) {
     try {
       return toColor(*image, color_topic_, processed.left_grey.size());
     } catch (const InputError& error) {
@@ -211,6 +213,12 @@ cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame
   cv::Mat grey;
   cv::cvtColor(processed.left_grey, grey, cv::COLOR_GRAY2BGR);
   return grey;
+}
+
+std::chrono::milliseconds StereoNodelet::colorPatience() {
+  const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+  const bool comes = color_subscriber_ && color_subscriber_.getNumPublishers() > 0;
+  return comes ? kColorPatience : std::chrono::milliseconds(0);
 }
 
 NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {

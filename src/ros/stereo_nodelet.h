@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -54,6 +55,8 @@ class StereoNodelet : public nodelet::Nodelet {
   // In the worker's thread
   void work(const StereoMessages& frame);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
+  /// How long a colour image may come after the pair is matched.
+  std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
 
   /// At most one warning per cause in a while.
@@ -85,7 +88,7 @@ class StereoNodelet : public nodelet::Nodelet {
   std::atomic<std::uint64_t> dropped_busy_{0};
   std::atomic<std::uint64_t> dropped_bad_input_{0};
   std::atomic<std::uint64_t> dropped_failed_{0};
-  std::unique_ptr<FrameWorker> worker_;  ///< stops first
+  std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stops first
 };
 
 }  // namespace cbmv

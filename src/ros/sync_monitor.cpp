@@ -39,7 +39,10 @@ void SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
   }
 }
 
-void SyncMonitor::synchronized(ros::SteadyTime now) { restart(now); }
+void SyncMonitor::synchronized(ros::SteadyTime now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  beginWindow(now, patience_s_);
+}
 
 std::string SyncMonitor::report(ros::SteadyTime now, const std::vector<TopicState>& states) {
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -28,9 +28,10 @@ class SyncMonitor {
     bool has_publisher = false;
   };
 
-  /// A report if no set has come for kFirstReportS, and then every kNextReportS; else empty. Says
-  /// of each topic at what rate messages come, whether anybody publishes it, and how far its stamps
-  /// are from those of the first topic.
+  /// A report if no set has come for kFirstReportS, and from the first report on for kNextReportS
+  /// (slow cameras are not reported all the time); else empty. Says of each topic at what rate
+  /// messages come, whether anybody publishes it, and how far its stamps are from those of the
+  /// first topic.
   std::string report(ros::SteadyTime now, const std::vector<TopicState>& states);
 
   static constexpr double kFirstReportS = 4;

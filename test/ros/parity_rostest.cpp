@@ -88,6 +88,7 @@ class Parity : public ::testing::Test {
           color_ = cv::Mat(kSize, CV_8UC3);
           cv::randu(color_, 0, 256);
           cameras_.publishColor(makeImage(color_, "bgr8", sent_.left_image->header));
+          wait(0.1);  // our cloud takes colour only if it comes in time
           cameras_.publish(sent_);
           return waitFor([&] { return allHaveCome(); }, 2);
         },

@@ -67,6 +67,16 @@ TEST(SyncMonitor, ASetBeginsAnew) {
   EXPECT_TRUE(mentions(monitor.report(at(14), kStates), {"/s/left nothing"}));
 }
 
+TEST(SyncMonitor, SlowCamerasAreReportedSeldom) {
+  SyncMonitor monitor(4, "");
+  monitor.restart(at(0));
+  EXPECT_NE(monitor.report(at(6), kStates), "");
+  monitor.synchronized(at(10));
+  EXPECT_EQ(monitor.report(at(16), kStates), "");
+  monitor.restart(at(20));
+  EXPECT_NE(monitor.report(at(26), kStates), "");
+}
+
 TEST(SyncMonitor, RepeatsItselfSeldom) {
   SyncMonitor monitor(4, "");
   monitor.restart(at(0));
