@@ -103,7 +103,7 @@ int quantile(const std::vector<std::size_t>& counts, double share) {
 
 /// Outliers (hot pixels, lamps) must not take the levels of the rest.
 Stretch findStretch(const std::vector<cv::Mat>& images) {
-  constexpr double kOutliers = 0.001;
+  const double outlier_share = 0.001;
   std::vector<std::size_t> counts(1 << 16, 0);
   for (const cv::Mat& image : images) {
     const cv::Mat_<std::uint16_t> values = image.reshape(1);
@@ -111,8 +111,8 @@ Stretch findStretch(const std::vector<cv::Mat>& images) {
       ++counts[value];
     }
   }
-  const int black = quantile(counts, kOutliers);
-  const int white = quantile(counts, 1 - kOutliers);
+  const int black = quantile(counts, outlier_share);
+  const int white = quantile(counts, 1 - outlier_share);
   const double scale = white > black ? 255.0 / (white - black) : 0.0;
   return {scale, -scale * black};
 }

@@ -50,7 +50,7 @@ std::string SyncMonitor::report(ros::SteadyTime now, const std::vector<TopicStat
   if (elapsed_s < patience_s_) {
     return {};
   }
-  const std::string sentence = describe(states, elapsed_s);
+  std::string sentence = describe(states, elapsed_s);
   beginWindow(now, kNextReportS);
   return sentence;
 }

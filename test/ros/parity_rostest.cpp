@@ -59,6 +59,9 @@ class Parity : public ::testing::Test {
   static void SetUpTestSuite() {
     setRange("/stock/disparity");
     setRange("/ours/disparity");
+    for (const char* name_space : {"/stock/", "/ours/", "/mixed/"}) {  // all nodelets are up
+      ASSERT_TRUE(waitFor([&] { return topicsOf(name_space).count("points2") > 0; }, 20));
+    }
   }
 
   Parity() : cameras_(ros::NodeHandle("/cameras")) {}

@@ -103,11 +103,13 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
 }
 
 TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
-  ros::master::V_TopicInfo topics;
-  ros::master::getTopics(topics);
-  const auto hasTopic = [&](const std::string& name, const std::string& type) {
-    return std::any_of(topics.begin(), topics.end(), [&](const ros::master::TopicInfo& topic) {
-      return topic.name == name && topic.datatype == type;
+  const auto hasTopic = [](const std::string& name, const std::string& type) {
+    return waitFor([&] {
+      ros::master::V_TopicInfo topics;
+      ros::master::getTopics(topics);
+      return std::any_of(topics.begin(), topics.end(), [&](const ros::master::TopicInfo& topic) {
+        return topic.name == name && topic.datatype == type;
+      });
     });
   };
   EXPECT_TRUE(hasTopic("/robot/disparity", "stereo_msgs/DisparityImage"));
