@@ -46,52 +46,39 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
   using Frame = OutputFrame;
   return {
       output("disparity", "Disparities in pixels, Z = f T / d; see the conventions below",
-             [](const Frame& frame) {
-               return toDisparityImage(frame.processed.result, frame.processed.geometry,
-                                       frame.processed.disparity_step_px, frame.header);
+             [](const Frame& f) {
+               const double step_px = f.processed.disparity_step_px;
+               return toDisparityImage(f.result(), f.geometry(), step_px, f.header);
              }),
       output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
-             [](const Frame& frame) {
-               return toDepthImage(frame.processed.result, frame.processed.geometry, frame.header);
-             }),
+             [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
       output("depth_raw", "16UC1, Z in millimetres; 0 where there is none or more than 65 535",
-             [](const Frame& frame) {
-               return toRawDepthImage(frame.processed.result, frame.processed.geometry,
-                                      frame.header);
-             }),
+             [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
       output("camera_info", "Of `depth` and `depth_raw`: the rectified left camera",
-             [](const Frame& frame) {
-               return toRectifiedInfo(frame.processed.geometry,
-                                      frame.processed.result.disparity.size(), frame.header);
+             [](const Frame& f) {
+               return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
              }),
       output("confidence",
              "32FC1 in [0, 1]: probability that the disparity is right; halved where the "
              "left-right check failed, 0 where there is none",
-             [](const Frame& frame) {
-               return toConfidenceImage(frame.processed.result, frame.header);
-             }),
+             [](const Frame& f) { return toConfidenceImage(f.result(), f.header); }),
       output("valid_mask", "mono8: 255 where there is a disparity, 0 where there is none",
-             [](const Frame& frame) { return toValidMask(frame.processed.result, frame.header); }),
+             [](const Frame& f) { return toValidMask(f.result(), f.header); }),
       output("disparity_color",
              "rgb8 for viewers: from blue, at the lowest disparity of the range, to red; black "
              "where there is none",
-             [](const Frame& frame) {
-               return toDisparityColorImage(frame.processed.result, frame.header);
-             }),
+             [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
       // After the images, because it may wait for colour.
       output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
-             [cloud_options](const Frame& frame) {
-               const ProcessedFrame& processed = frame.processed;
-               return toPointCloud({toValidDisparity(processed.result, processed.geometry),
-                                    frame.color(), processed.result.confidence},
-                                   processed.geometry, cloud_options, frame.header);
+             [cloud_options](const Frame& f) {
+               const CloudSource source{toValidDisparity(f.result(), f.geometry()), f.color(),
+                                        f.result().confidence};
+               return toPointCloud(source, f.geometry(), cloud_options, f.header);
              }),
       output("status",
              "Time of each stage and age of the frame in milliseconds, frames processed and "
              "dropped, vertical offset in pixels",
-             [](const Frame& frame) {
-               return toStatus(frame.processed.result, frame.state(), frame.header);
-             }),
+             [](const Frame& f) { return toStatus(f.result(), f.state(), f.header); }),
   };
 }
 

@@ -20,6 +20,9 @@ struct OutputFrame {
   const ProcessedFrame& processed;
   std::function<cv::Mat()> color;    ///< of the left image, CV_8UC3 blue, green, red
   std::function<NodeState()> state;  ///< when it is asked for
+
+  const StereoResult& result() const { return processed.result; }
+  const StereoGeometry& geometry() const { return processed.geometry; }
 };
 
 /// A publisher with the type of its messages taken away.
