@@ -1,10 +1,14 @@
 # Tests of the ROS side. test/ros/NAME_test.cpp need no master and become plain programs;
-# test/ros/stereo_rostest.cpp is run by rostest against the node and against the nodelet.
+# test/ros/NAME.test.in are launch files of rostest, which run test/ros/NAME_rostest.cpp.
 find_package(rostest REQUIRED)
+find_package(image_geometry REQUIRED)  # how readers of camera_info understand it
+
+find_package(stereo_image_proc QUIET)  # what the node is compared with
+find_package(image_proc QUIET)
 
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets GTest::gtest)
+  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets ${image_geometry_LIBRARIES} GTest::gtest)
   add_dependencies(tests ${target})
 endfunction()
 
@@ -14,6 +18,8 @@ foreach(test_source ${ros_test_sources})
   add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
   cbmv_link_ros_test(${test_name})
   target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
+  target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    CBMV_STOCK_LAUNCH_FILE="${stereo_image_proc_PREFIX}/share/stereo_image_proc/launch/stereo_image_proc.launch")
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
@@ -31,16 +37,28 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
                    COMMAND write_forest_fixture ${CBMV_TEST_FOREST})
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
-# rostest looks for the program where catkin puts programs.
-add_executable(stereo_rostest EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/stereo_rostest.cpp)
-cbmv_link_ros_test(stereo_rostest)
-target_compile_definitions(stereo_rostest PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
-                           CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                           CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>")
-target_link_libraries(stereo_rostest PRIVATE ${catkin_LIBRARIES})
+# Programs that rostest runs: it looks for them where catkin puts programs.
+set(CBMV_ROSTESTS stereo configuration point_cloud)
+set(launch_files stereo_node stereo_nodelet configuration)
+if(stereo_image_proc_FOUND AND image_proc_FOUND)
+  list(APPEND CBMV_ROSTESTS parity replacement)
+  list(APPEND launch_files parity replacement)
+else()
+  message(STATUS "stereo_image_proc or image_proc is missing: nothing is compared with them")
+endif()
+foreach(test_name ${CBMV_ROSTESTS})
+  set(program ${test_name}_rostest)
+  add_executable(${program} EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/${program}.cpp)
+  cbmv_link_ros_test(${program})
+  target_compile_definitions(${program} PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
+                             CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                             CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>")
+  target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
+endforeach()
 add_dependencies(tests forest_fixture cbmv_stereo_node)
-foreach(form node nodelet)
-  set(launch_file ${PROJECT_BINARY_DIR}/test/stereo_${form}.test)
-  configure_file(${PROJECT_SOURCE_DIR}/test/ros/stereo_${form}.test.in ${launch_file} @ONLY)
-  add_rostest(${launch_file} DEPENDENCIES stereo_rostest forest_fixture cbmv_stereo_node)
+list(TRANSFORM CBMV_ROSTESTS APPEND _rostest)
+foreach(name ${launch_files})
+  set(launch_file ${PROJECT_BINARY_DIR}/test/${name}.test)
+  configure_file(${PROJECT_SOURCE_DIR}/test/ros/${name}.test.in ${launch_file} @ONLY)
+  add_rostest(${launch_file} DEPENDENCIES ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
 endforeach()

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <mutex>
@@ -14,16 +17,25 @@ class ColorBuffer {
   explicit ColorBuffer(std::size_t capacity) : capacity_(capacity) {}
 
   void add(const sensor_msgs::ImageConstPtr& image) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    images_.push_back(image);
-    if (images_.size() > capacity_) {
-      images_.pop_front();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      images_.push_back(image);
+      if (images_.size() > capacity_) {
+        images_.pop_front();
+      }
     }
+    added_.notify_all();
   }
 
-  /// Null if no image has that stamp.
-  sensor_msgs::ImageConstPtr find(const ros::Time& stamp) const {
-    const std::lock_guard<std::mutex> lock(mutex_);
+  /// Null if no image has that stamp. Where it may still come, because there is none of a later
+  /// stamp, waits for it, but not for longer than `patience`.
+  sensor_msgs::ImageConstPtr find(const ros::Time& stamp,
+                                  std::chrono::milliseconds patience) const {
+    std::unique_lock<std::mutex> lock(mutex_);
+    added_.wait_for(lock, patience, [&] {
+      return std::any_of(images_.begin(), images_.end(),
+                         [&](const auto& image) { return image->header.stamp >= stamp; });
+    });
     for (const auto& image : images_) {
       if (image->header.stamp == stamp) {
         return image;
@@ -35,6 +47,7 @@ class ColorBuffer {
  private:
   const std::size_t capacity_;
   mutable std::mutex mutex_;
+  mutable std::condition_variable added_;
   std::deque<sensor_msgs::ImageConstPtr> images_;
 };
 

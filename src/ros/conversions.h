@@ -2,95 +2,25 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include <opencv2/core.hpp>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <stereo_msgs/DisparityImage.h>
 
-#include "cbmv_stereo/error.h"
+#include "ros/geometry.h"
+#include "ros/image_conversion.h"
+#include "ros/input_messages.h"
+#include "ros/point_cloud.h"
+
 #include "cbmv_stereo/io/calibration.h"
-#include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 #include <cbmv_stereo/Status.h>
 
-// The one place in which ROS messages become the core's types and back.
+// The one place, with the headers of this folder that it includes, in which ROS messages become the
+// core's types and back.
 
 namespace cbmv {
-
-/// One synchronised set of input messages, each with the topic it came on.
-struct StereoMessages {
-  sensor_msgs::ImageConstPtr left_image;
-  sensor_msgs::CameraInfoConstPtr left_info;
-  sensor_msgs::ImageConstPtr right_image;
-  sensor_msgs::CameraInfoConstPtr right_info;
-};
-
-/// Resolved topic names of the inputs, for messages to people.
-struct StereoTopics {
-  std::string left_image;
-  std::string left_info;
-  std::string right_image;
-  std::string right_info;
-};
-
-/// What is wrong with a set of input messages.
-enum class InputFault {
-  kEmptyImage,
-  kUnsupportedEncoding,
-  kTruncatedImage,
-  kDifferentFrameIds,
-  kDifferentSizes,
-  kDifferentEncodings,
-  kUncalibrated,
-  kCameraInfoSize,
-  kDisparityRange,
-  kMemory,
-};
-
-/// Input messages that cannot be used; the sentence names the topic.
-class InputError : public Error {
- public:
-  InputError(InputFault fault, const std::string& sentence) : Error(sentence), fault_(fault) {}
-  InputFault fault() const { return fault_; }
-
- private:
-  InputFault fault_;
-};
-
-/// The pair as CV_8UC1. May share the messages' memory: they have to live as long.
-struct GreyPair {
-  cv::Mat left;
-  cv::Mat right;
-};
-
-/// Checks both images and converts them to grey. Throws InputError.
-GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
-                    bool allow_different_frame_ids);
-
-/// Image in colour, CV_8UC3 in the order blue, green, red, from mono8, rgb8, bgr8, rgba8 or bgra8.
-/// Throws InputError for other encodings, and for other sizes than `size`.
-cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size);
-
-/// The rectified stereo camera, from the projection matrices, in pixels of the images as they are
-/// sent (after binning and region of interest).
-struct StereoGeometry {
-  double focal_length_px = 0;  ///< of the right camera, horizontal: f in Z = f T / d
-  double baseline_m = 0;       ///< T > 0: the right camera lies to the right of the left one
-  /// cx_left − cx_right, 0 unless the rig is verged: a point at infinity is matched at this
-  /// disparity, so it is taken off (once) of what is published.
-  double disparity_offset_px = 0;
-  double left_fx_px = 0;
-  double left_fy_px = 0;
-  double left_cx_px = 0;
-  double left_cy_px = 0;
-};
-
-/// Throws InputError if a camera is not calibrated, if left and right are swapped, or if a
-/// camera_info does not fit its image's size.
-StereoGeometry toGeometry(const StereoMessages& messages, const StereoTopics& topics);
 
 /// Smallest step between two disparities that `options` can give, in pixels: 1 if they are whole
 /// pixels, else the spacing of float at the largest disparity of `range`.
@@ -99,21 +29,35 @@ double disparityStep(const DisparityRange& range, const RefinementOptions& optio
 /// Conventions of stereo_image_proc: image 32FC1, f and T as in StereoGeometry, max_disparity the
 /// largest that is tested. Published disparities, min_disparity and max_disparity are the matcher's
 /// minus geometry.disparity_offset_px, so that Z = f T / d; pixels without a disparity hold
-/// min_disparity − 1. valid_window: the columns in which at least one hypothesis exists.
+/// min_disparity − 1. valid_window: the columns in which at least one hypothesis exists, and what
+/// lies to the left or right of them if disparities have been filled in there.
 stereo_msgs::DisparityImage toDisparityImage(const StereoResult& result,
                                              const StereoGeometry& geometry, double delta_d,
                                              const std_msgs::Header& header);
 
-/// Organised cloud in the left camera's optical frame, in metres: fields x, y, z, rgb (float at
-/// byte 0, 4, 8, 16; 32 bytes a point). Points without a disparity, or at or beyond infinity, have
-/// NaN in x, y, z. `color` is CV_8UC3 in the order blue, green, red.
-sensor_msgs::PointCloud2 toPointCloud(const StereoResult& result, const StereoGeometry& geometry,
-                                      const cv::Mat& color, const std_msgs::Header& header);
+/// The disparities as published, CV_32FC1, but NaN where there is none.
+cv::Mat toValidDisparity(const StereoResult& result, const StereoGeometry& geometry);
+
+/// The same from a message of any node: what is below min_disparity, or not finite, is none. Throws
+/// InputError if the image is not a proper 32FC1 image.
+cv::Mat toValidDisparity(const stereo_msgs::DisparityImage& message, const std::string& topic);
+
+/// Z in metres along the left camera's optical axis, 32FC1 as REP 118 has it: NaN where there is no
+/// disparity, or the point lies at or beyond infinity.
+sensor_msgs::Image toDepthImage(const StereoResult& result, const StereoGeometry& geometry,
+                                const std_msgs::Header& header);
+
+/// The same in whole millimetres, 16UC1: 0 where there is none, or more than 65 535 mm.
+sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeometry& geometry,
+                                   const std_msgs::Header& header);
+
+/// mono8: 255 where there is a disparity, 0 where there is none.
+sensor_msgs::Image toValidMask(const StereoResult& result, const std_msgs::Header& header);
 
 /// 32FC1 in [0, 1], see StereoResult::confidence.
 sensor_msgs::Image toConfidenceImage(const StereoResult& result, const std_msgs::Header& header);
 
-/// bgr8 for viewers: from blue at the smallest disparity of the range to red at the largest; black
+/// rgb8 for viewers: from blue at the smallest disparity of the range to red at the largest; black
 /// where there is none.
 sensor_msgs::Image toDisparityColorImage(const StereoResult& result,
                                          const std_msgs::Header& header);
@@ -162,11 +106,5 @@ struct RecordedDisparity {
 /// Takes back the offset that toDisparityImage took off.
 RecordedDisparity fromDisparityImage(const stereo_msgs::DisparityImage& message,
                                      double disparity_offset_px);
-
-/// Copy of a 32FC1 image.
-cv::Mat fromFloatImage(const sensor_msgs::Image& message);
-
-/// The points of a cloud from toPointCloud that are not NaN.
-std::vector<ColoredPoint> fromPointCloud(const sensor_msgs::PointCloud2& message);
 
 }  // namespace cbmv

@@ -1,6 +1,8 @@
 #include "ros/parameter_server.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -11,6 +13,12 @@
 
 namespace cbmv {
 namespace {
+
+/// Parameters of stereo_image_proc/disparity that nothing here corresponds to.
+constexpr std::array<const char*, 10> kStockOnly = {
+    "stereo_algorithm", "prefilter_size", "prefilter_cap", "correlation_window_size",
+    "uniqueness_ratio", "speckle_size",   "speckle_range", "texture_threshold",
+    "fullDP",           "disp12MaxDiff"};
 
 /// The list of dynamic_reconfigure::Config that holds parameters of type Value.
 template <typename Value>
@@ -84,6 +92,13 @@ void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config
   config.__fromMessage__(message);
 }
 
+float minConfidence(const cbmv_stereo::StereoConfig& config) {
+  if (std::isnan(config.min_confidence)) {
+    throw Error("min_confidence is not a number; one from 0 to 1 would be right");
+  }
+  return static_cast<float>(config.min_confidence);
+}
+
 std::vector<std::string> offerParameters(const StereoOptions& options,
                                          ros::NodeHandle& private_nh) {
   std::vector<std::string> differences;
@@ -104,6 +119,28 @@ std::vector<std::string> offerParameters(const StereoOptions& options,
         parameter.default_value);
   }
   return differences;
+}
+
+std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh) {
+  std::vector<std::string> sentences;
+  for (const Parameter& parameter : stereoParameters()) {
+    double value = 0;
+    if (private_nh.getParam(parameter.name, value) &&
+        !(value >= parameter.lowest && value <= parameter.highest)) {
+      std::ostringstream sentence;
+      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", out of ["
+               << parameter.lowest << ", " << parameter.highest
+               << "]: the nearest value is used (units may not be those of stereo_image_proc)";
+      sentences.push_back(sentence.str());
+    }
+  }
+  for (const char* name : kStockOnly) {
+    if (private_nh.hasParam(name)) {
+      sentences.push_back(private_nh.resolveName(name) +
+                          " is a parameter of stereo_image_proc without a meaning here; ignored");
+    }
+  }
+  return sentences;
 }
 
 }  // namespace cbmv

@@ -19,8 +19,17 @@ void applyConfig(const cbmv_stereo::StereoConfig& config, StereoOptions& options
 /// The opposite direction: writes every parameter of `options` into `config`.
 void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config);
 
+/// The entry min_confidence, which is about publishing and no option of the method. Throws Error if
+/// it is not a number.
+float minConfidence(const cbmv_stereo::StereoConfig& config);
+
 /// Makes `options` (from a preset) the parameters' values on the parameter server, except where
 /// there already is one: that one is explicit and wins. Returns one sentence for each that differs.
 std::vector<std::string> offerParameters(const StereoOptions& options, ros::NodeHandle& private_nh);
+
+/// One sentence for each private parameter that is not taken as it is on the parameter server: out
+/// of its range here (stereo_image_proc's P1 and P2 have other units), or one of
+/// stereo_image_proc's that has no meaning here.
+std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh);
 
 }  // namespace cbmv

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ros/cloud_parameters.h"
 #include "ros/parameter_server.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
@@ -16,19 +17,14 @@
 namespace cbmv {
 namespace {
 
-constexpr double kSilencePeriodS = 15;
+constexpr double kSilenceCheckS = 1;
+constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
 enum Cause { kFailed = 100, kRangeClipped, kColorUnusable };
 
-template <typename Message>
-void publishShared(const ros::Publisher& publisher, Message message) {
-  publisher.publish(boost::make_shared<Message>(std::move(message)));
-}
-
-void publishShared(const image_transport::Publisher& publisher, sensor_msgs::Image message) {
-  publisher.publish(
-      sensor_msgs::ImageConstPtr(boost::make_shared<sensor_msgs::Image>(std::move(message))));
+StereoTopics toTopics(const std::array<std::string, 4>& names) {
+  return {names[0], names[1], names[2], names[3]};
 }
 
 }  // namespace
@@ -46,64 +42,53 @@ void StereoNodelet::onInit() {
 }
 
 void StereoNodelet::stop() {
-  // First whatever calls back, then the worker that the callbacks feed.
+  {
+    const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+    stopping_ = true;
+    color_subscriber_.shutdown();
+  }
+  // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
+  // publisher waits for its callbacks when it goes.
   config_server_.reset();
   silence_timer_.stop();
-  color_subscriber_.shutdown();
   inputs_.reset();
   worker_.reset();
+  outputs_.reset();
 }
 
 void StereoNodelet::initialize() {
-  ros::NodeHandle& nh = getNodeHandle();
-  ros::NodeHandle& private_nh = getPrivateNodeHandle();
-
-  options_ = readOptions();
+  const PrivateParameters parameters(getPrivateNodeHandle(), stereoPrivateParameters());
+  options_ = readOptions(parameters);
   threads_ = options_.threads > 0 ? options_.threads
                                   : static_cast<int>(std::thread::hardware_concurrency());
-  processor_ = std::make_unique<StereoProcessor>(
-      loadForest(), options_, private_nh.param("allow_different_frame_ids", false));
-  config_server_ = std::make_unique<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>>(
-      config_mutex_, private_nh);
-  config_server_->setCallback(
-      [this](cbmv_stereo::StereoConfig& config, std::uint32_t) { reconfigure(config); });
-  NODELET_INFO_STREAM("parameters:\n" << describeOptions(options_));
-
-  worker_ = std::make_unique<FrameWorker>([this](const StereoMessages& frame) { work(frame); });
-  inputs_ = std::make_unique<StereoInputs>(nh, private_nh,
-                                           [this](const StereoMessages& frame) { receive(frame); });
-  topics_ = inputs_->topics();
-  color_topic_ = nh.resolveName("left/image_rect_color");
-  colors_.emplace(static_cast<std::size_t>(inputs_->queueSize()));
-  advertise();
-  silence_timer_ = nh.createWallTimer(ros::WallDuration(kSilencePeriodS),
-                                      [this](const ros::WallTimerEvent&) { reportSilence(); });
+  processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
+                                                 parameters.get<bool>("allow_different_frame_ids"));
+  offerConfig();
+  worker_ = std::make_unique<FrameWorker<StereoMessages>>(
+      [this](const StereoMessages& frame) { work(frame); });
+  openTopics(parameters);
+  silence_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });
 }
 
-StereoOptions StereoNodelet::readOptions() {
-  ros::NodeHandle& private_nh = getPrivateNodeHandle();
+StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
   StereoOptions options;
-  const auto preset = private_nh.param<std::string>("preset", "");
+  const auto preset = parameters.get<std::string>("preset");
   if (!preset.empty()) {
     readPreset(preset, options);
-    for (const std::string& difference : offerParameters(options, private_nh)) {
+    for (const std::string& difference : offerParameters(options, getPrivateNodeHandle())) {
       NODELET_INFO_STREAM(difference << " of the preset " << preset);
     }
   }
-  options.threads = private_nh.param("threads", 0);
-  if (options.threads < 0) {
-    throw Error(private_nh.resolveName("threads") + " is " + std::to_string(options.threads) +
-                "; a number of threads, or 0 for all, would be right");
-  }
+  options.threads = parameters.get<int>("threads");
   correctOptions(options);  // reported when the parameter server's values are applied
   return options;
 }
 
-std::shared_ptr<const Forest> StereoNodelet::loadForest() {
-  ros::NodeHandle& private_nh = getPrivateNodeHandle();
-  const auto path = private_nh.param<std::string>("forest", "");
+std::shared_ptr<const Forest> StereoNodelet::loadForest(const PrivateParameters& parameters) {
+  const auto path = parameters.get<std::string>("forest");
   if (path.empty()) {
-    throw Error("the parameter " + private_nh.resolveName("forest") +
+    throw Error("the parameter " + getPrivateNodeHandle().resolveName("forest") +
                 " is not set; the path of a forest file would be right");
   }
   auto forest = std::make_shared<const Forest>(readForest(path));
@@ -111,56 +96,66 @@ std::shared_ptr<const Forest> StereoNodelet::loadForest() {
   return forest;
 }
 
-void StereoNodelet::advertise() {
-  ros::NodeHandle& nh = getNodeHandle();
-  transport_ = std::make_unique<image_transport::ImageTransport>(nh);
-  const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
-    updateSubscriptions();
-  };
-  const image_transport::SubscriberStatusCallback image_changed =
-      [this](const image_transport::SingleSubscriberPublisher&) { updateSubscriptions(); };
+void StereoNodelet::offerConfig() {
+  for (const std::string& sentence : describeForeignParameters(getPrivateNodeHandle())) {
+    NODELET_WARN_STREAM(sentence);
+  }
+  config_server_ = std::make_unique<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>>(
+      config_mutex_, getPrivateNodeHandle());
+  config_server_->setCallback(
+      [this](cbmv_stereo::StereoConfig& config, std::uint32_t) { reconfigure(config); });
+  NODELET_INFO_STREAM("parameters:\n" << describeOptions(options_));
+}
 
-  // Until all publishers are there, a subscriber that comes at once has to wait.
+void StereoNodelet::openTopics(const PrivateParameters& parameters) {
+  const ros::NodeHandle& nh = getNodeHandle();
+  CloudOptions cloud_options = readCloudOptions(parameters);
+  cloud_options.with_confidence = parameters.get<bool>("points_confidence");
+
+  // Until all outputs are there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  disparity_publisher_ =
-      nh.advertise<stereo_msgs::DisparityImage>("disparity", 1, changed, changed);
-  points_publisher_ = nh.advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
-  status_publisher_ = nh.advertise<cbmv_stereo::Status>("status", 1, changed, changed);
-  confidence_publisher_ = transport_->advertise("confidence", 1, image_changed, image_changed);
-  disparity_color_publisher_ =
-      transport_->advertise("disparity_color", 1, image_changed, image_changed);
+  inputs_ =
+      std::make_unique<StereoInputs>(nh, parameters, kStereoInputTopics,
+                                     [this](const auto&... messages) { receive({messages...}); });
+  topics_ = toTopics(inputs_->topics());
+  color_topic_ = nh.resolveName(kColorTopic);
+  color_transport_ = std::make_unique<image_transport::ImageTransport>(nh);
+  colors_.emplace(static_cast<std::size_t>(inputs_->options().queue_size));
+  outputs_ = std::make_unique<OutputPublishers>(nh, stereoOutputs(cloud_options),
+                                                [this] { updateSubscriptions(); });
 }
 
 void StereoNodelet::updateSubscriptions() {
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
-  if (wantsInput() != inputs_->isSubscribed()) {
-    wantsInput() ? inputs_->subscribe() : inputs_->unsubscribe();
+  if (stopping_ || !outputs_) {
+    return;
   }
-  updateColorSubscription();
-}
-
-bool StereoNodelet::wantsInput() const {
-  return disparity_publisher_.getNumSubscribers() > 0 ||
-         points_publisher_.getNumSubscribers() > 0 || status_publisher_.getNumSubscribers() > 0 ||
-         confidence_publisher_.getNumSubscribers() > 0 ||
-         disparity_color_publisher_.getNumSubscribers() > 0;
+  try {
+    if (outputs_->anyIsWanted() != inputs_->isSubscribed()) {
+      inputs_->isSubscribed() ? inputs_->unsubscribe() : inputs_->subscribe();
+    }
+    updateColorSubscription();
+  } catch (const image_transport::Exception& error) {
+    NODELET_ERROR_STREAM("no images: the parameter image_transport is '"
+                         << inputs_->hints().getTransport() << "': " << error.what());
+  }
 }
 
 void StereoNodelet::updateColorSubscription() {
-  if (points_publisher_.getNumSubscribers() == 0) {
+  if (!outputs_->isWanted("points2")) {
     color_subscriber_.shutdown();
   } else if (!color_subscriber_) {
-    color_subscriber_ = transport_->subscribe(
-        "left/image_rect_color", static_cast<std::uint32_t>(inputs_->queueSize()),
+    color_subscriber_ = color_transport_->subscribe(
+        kColorTopic, static_cast<std::uint32_t>(inputs_->options().queue_size),
         [this](const sensor_msgs::ImageConstPtr& image) { colors_->add(image); }, nullptr,
-        image_transport::TransportHints("raw", ros::TransportHints(), getPrivateNodeHandle()));
+        inputs_->hints());
   }
 }
 
 void StereoNodelet::reportSilence() {
-  const std::string silence = inputs_->describeSilence();
-  if (!silence.empty()) {
-    NODELET_WARN_STREAM("in " << kSilencePeriodS << " s, " << silence);
+  const std::string report = inputs_->reportSilence();
+  if (!report.empty()) {
+    NODELET_WARN_STREAM(report);
   }
 }
 
@@ -168,15 +163,18 @@ void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
   StereoOptions wanted = options_;
   try {
     applyConfig(config, wanted);
+    min_confidence_ = minConfidence(config);
     for (const std::string& correction : correctOptions(wanted)) {
       NODELET_WARN_STREAM(correction);
     }
     options_ = wanted;
   } catch (const Error& error) {
     NODELET_WARN_STREAM(error.what() << "; all parameters keep their values");
+    config.min_confidence = min_confidence_;
   }
   writeConfig(options_, config);
   processor_->setOptions(options_);
+  processor_->setMinConfidence(min_confidence_);
 }
 
 void StereoNodelet::receive(const StereoMessages& frame) {
@@ -192,7 +190,9 @@ void StereoNodelet::work(const StereoMessages& frame) {
     if (!processed.range_correction.empty()) {
       warn(kRangeClipped, processed.range_correction);
     }
-    publish(frame, processed);
+    const std_msgs::Header& header = frame.left_image->header;
+    outputs_->publish({header, processed, [&] { return colorOf(frame, processed); },
+                       [&] { return stateAt(header.stamp); }});
   } catch (const InputError& error) {
     ++dropped_bad_input_;
     warn(static_cast<int>(error.fault()), std::string(error.what()) + "; frame dropped");
@@ -202,30 +202,8 @@ void StereoNodelet::work(const StereoMessages& frame) {
   }
 }
 
-void StereoNodelet::publish(const StereoMessages& frame, const ProcessedFrame& processed) {
-  const std_msgs::Header& header = frame.left_image->header;
-  const StereoResult& result = processed.result;
-  if (disparity_publisher_.getNumSubscribers() > 0) {
-    publishShared(disparity_publisher_, toDisparityImage(result, processed.geometry,
-                                                         processed.disparity_step_px, header));
-  }
-  if (points_publisher_.getNumSubscribers() > 0) {
-    publishShared(points_publisher_,
-                  toPointCloud(result, processed.geometry, colorOf(frame, processed), header));
-  }
-  if (confidence_publisher_.getNumSubscribers() > 0) {
-    publishShared(confidence_publisher_, toConfidenceImage(result, header));
-  }
-  if (disparity_color_publisher_.getNumSubscribers() > 0) {
-    publishShared(disparity_color_publisher_, toDisparityColorImage(result, header));
-  }
-  if (status_publisher_.getNumSubscribers() > 0) {
-    publishShared(status_publisher_, toStatus(result, stateAt(header.stamp), header));
-  }
-}
-
 cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
-  if (const auto image = colors_->find(frame.left_image->header.stamp)) {
+  if (const auto image = colors_->find(frame.left_image->header.stamp, colorPatience())) {
     try {
       return toColor(*image, color_topic_, processed.left_grey.size());
     } catch (const InputError& error) {
@@ -235,6 +213,12 @@ cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame
   cv::Mat grey;
   cv::cvtColor(processed.left_grey, grey, cv::COLOR_GRAY2BGR);
   return grey;
+}
+
+std::chrono::milliseconds StereoNodelet::colorPatience() {
+  const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+  const bool comes = color_subscriber_ && color_subscriber_.getNumPublishers() > 0;
+  return comes ? kColorPatience : std::chrono::milliseconds(0);
 }
 
 NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,7 +14,9 @@
 
 #include "ros/color_buffer.h"
 #include "ros/frame_worker.h"
-#include "ros/stereo_inputs.h"
+#include "ros/nodelet_inputs.h"
+#include "ros/output_publishers.h"
+#include "ros/private_parameters.h"
 #include "ros/stereo_processor.h"
 #include "ros/warning_throttle.h"
 
@@ -21,7 +24,7 @@
 
 namespace cbmv {
 
-/// Wires topics and parameters to StereoProcessor. README.md and docs/parameters.md list them.
+/// Wires topics and parameters to StereoProcessor; docs/ros.md lists them.
 ///
 /// Inputs are subscribed only while an output has a subscriber, and each output is built only while
 /// it has one itself. Callbacks only hand frames over to the worker's thread, which converts,
@@ -36,23 +39,24 @@ class StereoNodelet : public nodelet::Nodelet {
   void onInit() override;
   void initialize();
   void stop();
-  StereoOptions readOptions();
-  std::shared_ptr<const Forest> loadForest();
-  void advertise();
-  void reportSilence();
+  StereoOptions readOptions(const PrivateParameters& parameters);
+  std::shared_ptr<const Forest> loadForest(const PrivateParameters& parameters);
+  void offerConfig();
+  void openTopics(const PrivateParameters& parameters);
 
   /// Called when a subscriber of an output comes or goes.
   void updateSubscriptions();
-  bool wantsInput() const;
   void updateColorSubscription();
+  void reportSilence();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
   void receive(const StereoMessages& frame);
 
   // In the worker's thread
   void work(const StereoMessages& frame);
-  void publish(const StereoMessages& frame, const ProcessedFrame& processed);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
+  /// How long a colour image may come after the pair is matched.
+  std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
 
   /// At most one warning per cause in a while.
@@ -61,24 +65,22 @@ class StereoNodelet : public nodelet::Nodelet {
   std::string forest_name_;
   int threads_ = 0;
   std::unique_ptr<StereoProcessor> processor_;
-  std::unique_ptr<StereoInputs> inputs_;
   StereoTopics topics_;
   std::string color_topic_;
 
-  std::unique_ptr<image_transport::ImageTransport> transport_;
+  std::mutex subscriptions_mutex_;  ///< of what follows
+  bool stopping_ = false;
+  std::unique_ptr<StereoInputs> inputs_;
+  std::unique_ptr<image_transport::ImageTransport> color_transport_;
   image_transport::Subscriber color_subscriber_;
-  std::optional<ColorBuffer> colors_;
+  std::unique_ptr<OutputPublishers> outputs_;
 
-  std::mutex subscriptions_mutex_;  ///< also held while advertising
-  ros::Publisher disparity_publisher_;
-  ros::Publisher points_publisher_;
-  ros::Publisher status_publisher_;
-  image_transport::Publisher confidence_publisher_;
-  image_transport::Publisher disparity_color_publisher_;
+  std::optional<ColorBuffer> colors_;
   ros::WallTimer silence_timer_;
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;
+  float min_confidence_ = 0;
   std::unique_ptr<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>> config_server_;
 
   WarningThrottle throttle_{5.0};
@@ -86,7 +88,7 @@ class StereoNodelet : public nodelet::Nodelet {
   std::atomic<std::uint64_t> dropped_busy_{0};
   std::atomic<std::uint64_t> dropped_bad_input_{0};
   std::atomic<std::uint64_t> dropped_failed_{0};
-  std::unique_ptr<FrameWorker> worker_;  ///< stops first
+  std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stops first
 };
 
 }  // namespace cbmv

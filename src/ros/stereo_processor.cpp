@@ -47,7 +47,8 @@ ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
   takeNewOptions();
   const GreyPair images = toGreyPair(messages, topics, allow_different_frame_ids_);
   ProcessedFrame frame;
-  frame.geometry = toGeometry(messages, topics);
+  frame.geometry =
+      toGeometry(*messages.left_info, *messages.right_info, images.left.size(), topics);
   if (adapted_size_ != images.left.size()) {
     adaptTo(images.left.size(), topics.left_image);
   }
@@ -55,6 +56,8 @@ ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
   const VerticalOffset offset =
       tracker_->update(images.left, images.right, options.range, steadyNow());
   frame.result = matcher_.match(images.left, images.right, offset);
+  frame.result.disparity.setTo(frame.result.range.invalid(),
+                               frame.result.confidence < min_confidence_.load());
   frame.left_grey = images.left;
   frame.disparity_step_px = disparityStep(options.range, options.refinement);
   frame.range_correction = range_correction_;

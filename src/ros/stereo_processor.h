@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -37,6 +38,10 @@ class StereoProcessor {
   /// consistent (correctOptions).
   void setOptions(const StereoOptions& options);
 
+  /// From the next frame on, pixels of a lower confidence, in [0, 1], have no disparity. The
+  /// confidence itself stays. May be called while a frame is processed.
+  void setMinConfidence(float min_confidence) { min_confidence_ = min_confidence; }
+
   /// One frame at a time. Throws InputError if the messages do not fit.
   ProcessedFrame process(const StereoMessages& messages, const StereoTopics& topics);
 
@@ -51,6 +56,7 @@ class StereoProcessor {
   std::optional<cv::Size> adapted_size_;  ///< empty: matcher and tracker do not have options_ yet
   std::string range_correction_;
 
+  std::atomic<float> min_confidence_{0};
   std::mutex new_options_mutex_;
   std::optional<StereoOptions> new_options_;
 };

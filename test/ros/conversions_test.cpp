@@ -1,10 +1,12 @@
 #include "ros/conversions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
+#include <image_geometry/pinhole_camera_model.h>
 
 #include "ros/stereo_pair.h"
 
@@ -39,9 +41,13 @@ void expectBadPair(const PairMessages& messages, InputFault fault,
   expectInputError([&] { toGreyPair(messages.asConst(), kTopics, false); }, fault, words);
 }
 
+StereoGeometry geometryOf(const PairMessages& messages) {
+  return toGeometry(*messages.left_info, *messages.right_info, kSize, kTopics);
+}
+
 void expectBadInfo(const PairMessages& messages, InputFault fault,
                    const std::vector<std::string>& words) {
-  expectInputError([&] { toGeometry(messages.asConst(), kTopics); }, fault, words);
+  expectInputError([&] { geometryOf(messages); }, fault, words);
 }
 
 TEST(GreyPair, KeepsMono8) {
@@ -63,7 +69,7 @@ TEST(GreyPair, ReadsRowsWithPadding) {
   EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ConvertsColourAndSixteenBits) {
+TEST(GreyPair, ConvertsColour) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   for (const auto& [encoding, code] :
        {std::pair("bgr8", cv::COLOR_GRAY2BGR), std::pair("rgba8", cv::COLOR_GRAY2RGBA)}) {
@@ -78,14 +84,119 @@ TEST(GreyPair, ConvertsColourAndSixteenBits) {
     EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0) << encoding;
     EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0) << encoding;
   }
+}
+
+TEST(GreyPair, TakesImagesOfDifferentEncodings) {
+  const StereoPair pair = renderPair(kSize, 3, 6);
+  PairMessages messages = goodMessages();
+  messages.left_image->encoding = "8UC1";
+  cv::Mat right;
+  cv::cvtColor(pair.right, right, cv::COLOR_GRAY2RGB);
+  messages.right_image = makeImage(right, "rgb8", messages.right_image->header);
+  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0);
+}
+
+TEST(GreyPair, ConvertsYuv) {
+  PairMessages messages = goodMessages();
+  const cv::Size even(36, 23);
+  cv::Mat uyvy(even, CV_8UC2);
+  cv::randu(uyvy, 0, 256);
+  messages.left_image = makeImage(uyvy, "yuv422", messages.left_image->header);
+  messages.right_image = makeImage(uyvy, "yuv422", messages.right_image->header);
+  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  cv::Mat luma;
+  cv::extractChannel(uyvy, luma, 1);
+  EXPECT_EQ(cv::norm(grey.left, luma, cv::NORM_INF), 0);
+}
+
+/// A scene of one grey level seen through a Bayer mosaic whose green pixels are brighter.
+TEST(GreyPair, ConvertsBayer) {
+  for (const char* encoding :
+       {"bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8", "bayer_rggb16"}) {
+    SCOPED_TRACE(encoding);
+    const bool deep = std::string(encoding).find("16") != std::string::npos;
+    cv::Mat mosaic(kSize, deep ? CV_16UC1 : CV_8UC1);
+    const bool green_first = encoding[6] == 'g';
+    for (int y = 0; y < kSize.height; ++y) {
+      for (int x = 0; x < kSize.width; ++x) {
+        const bool green = ((x + y) % 2 == 0) == green_first;
+        // The left half is dark, the right half bright; red and blue pixels see half of it.
+        const int level = (x < kSize.width / 2 ? 40 : 200) / (green ? 1 : 2);
+        deep ? mosaic.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(level * 16)
+             : mosaic.at<uchar>(y, x) = static_cast<uchar>(level);
+      }
+    }
+    PairMessages messages = goodMessages();
+    messages.left_image = makeImage(mosaic, encoding, messages.left_image->header);
+    messages.right_image = makeImage(mosaic, encoding, messages.right_image->header);
+    const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+    const cv::Rect dark(2, 2, kSize.width / 2 - 5, kSize.height - 4);
+    const cv::Rect bright(kSize.width / 2 + 4, 2, kSize.width / 2 - 6, kSize.height - 4);
+    for (const cv::Rect& half : {dark, bright}) {  // no mosaic is left
+      double lowest = 0;
+      double highest = 0;
+      cv::minMaxLoc(grey.left(half), &lowest, &highest);
+      EXPECT_LE(highest - lowest, 1);
+    }
+    EXPECT_GT(cv::mean(grey.left(bright))[0], cv::mean(grey.left(dark))[0] + 100);
+  }
+}
+
+/// 12 bits in 16: the levels that a plain division by 256 leaves would be 16.
+TEST(GreyPair, SixteenBitsKeepTheirContrast) {
+  cv::RNG random(5);
+  cv::Mat left(kSize, CV_16UC1);
+  cv::Mat right(kSize, CV_16UC1);
+  random.fill(left, cv::RNG::UNIFORM, 1000, 3000);
+  random.fill(right, cv::RNG::UNIFORM, 1500, 4096);
+  for (const char* encoding : {"mono16", "16UC1"}) {
+    SCOPED_TRACE(encoding);
+    PairMessages messages = goodMessages();
+    messages.left_image = makeImage(left, encoding, messages.left_image->header);
+    messages.right_image = makeImage(right, encoding, messages.right_image->header);
+    const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+
+    std::vector<std::uint16_t> all(left.begin<std::uint16_t>(), left.end<std::uint16_t>());
+    all.insert(all.end(), right.begin<std::uint16_t>(), right.end<std::uint16_t>());
+    std::sort(all.begin(), all.end());
+    const auto outliers = static_cast<std::size_t>(0.001 * static_cast<double>(all.size()));
+    const double black = all[outliers];
+    const double white = all[all.size() - 1 - outliers];
+    const auto expectStretched = [&](const cv::Mat& deep, const cv::Mat& stretched) {
+      for (int y = 0; y < kSize.height; ++y) {
+        for (int x = 0; x < kSize.width; ++x) {
+          const double wanted = 255 * (deep.at<std::uint16_t>(y, x) - black) / (white - black);
+          ASSERT_NEAR(stretched.at<uchar>(y, x), std::clamp(wanted, 0.0, 255.0), 0.51 + 1e-3);
+        }
+      }
+    };
+    expectStretched(left, grey.left);
+    expectStretched(right, grey.right);
+  }
+}
+
+TEST(GreyPair, OutliersDoNotTakeTheLevelsOfSixteenBits) {
   PairMessages messages = goodMessages();
   cv::Mat deep;
-  pair.left.convertTo(deep, CV_16U, 257);
-  messages.left_image = makeImage(deep, "mono16", messages.left_image->header);
-  pair.right.convertTo(deep, CV_16U, 257);
+  renderPair(kSize, 3, 6).left.convertTo(deep, CV_16U, 2, 7000);
   messages.right_image = makeImage(deep, "mono16", messages.right_image->header);
-  EXPECT_EQ(cv::norm(toGreyPair(messages.asConst(), kTopics, false).left, pair.left, cv::NORM_INF),
-            0);
+  deep.at<std::uint16_t>(3, 4) = 65535;  // a hot pixel
+  messages.left_image = makeImage(deep, "mono16", messages.left_image->header);
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(toGreyPair(messages.asConst(), kTopics, false).left, mean, deviation);
+  EXPECT_GT(deviation[0], 30);
+}
+
+TEST(GreyPair, EvenSixteenBitImagesAreEven) {
+  PairMessages messages = goodMessages();
+  const cv::Mat even(kSize, CV_16UC1, cv::Scalar(1234));
+  messages.left_image = makeImage(even, "mono16", messages.left_image->header);
+  messages.right_image = makeImage(even, "mono16", messages.right_image->header);
+  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
 }
 
 TEST(GreyPair, RefusesWhatDiffers) {
@@ -94,11 +205,6 @@ TEST(GreyPair, RefusesWhatDiffers) {
       makeImage(cv::Mat(20, 37, CV_8UC1, cv::Scalar(7)), "mono8", messages.right_image->header);
   expectBadPair(messages, InputFault::kDifferentSizes,
                 {kTopics.left_image, kTopics.right_image, "37 x 23", "37 x 20"});
-
-  messages = goodMessages();
-  messages.right_image->encoding = "8UC1";
-  expectBadPair(messages, InputFault::kDifferentEncodings,
-                {kTopics.left_image, kTopics.right_image, "mono8", "8UC1"});
 
   messages = goodMessages();
   messages.right_image->header.frame_id = "right_camera";
@@ -150,21 +256,29 @@ TEST(Color, AllEncodingsGiveTheSame) {
             cv::Vec3b(42, 42, 42));
 }
 
+TEST(Color, TakesBayerAndSixteenBits) {
+  const cv::Mat mosaic(kSize, CV_8UC1, cv::Scalar(77));
+  EXPECT_EQ(toColor(*makeImage(mosaic, "bayer_rggb8", {}), "/color", kSize).at<cv::Vec3b>(9, 9),
+            cv::Vec3b(77, 77, 77));
+  cv::Mat deep(kSize, CV_16UC3, cv::Scalar(0, 2048, 4095));
+  const cv::Mat color = toColor(*makeImage(deep, "rgb16", {}), "/color", kSize);
+  EXPECT_EQ(color.at<cv::Vec3b>(9, 9), cv::Vec3b(255, 128, 0));
+}
+
 TEST(Color, RefusesOtherSizesAndEncodings) {
-  const auto message = makeImage(cv::Mat(kSize, CV_8UC3), "bgr8", {});
   expectInputError(
       [&] {
-        toColor(*message, "/color", {38, 23});
+        toColor(*makeImage(cv::Mat(kSize, CV_8UC3), "bgr8", {}), "/color", {38, 23});
       },
       InputFault::kDifferentSizes, {"/color", "37 x 23", "38 x 23"});
-  message->encoding = "yuv422";
-  expectInputError([&] { toColor(*message, "/color", kSize); }, InputFault::kUnsupportedEncoding,
-                   {"/color", "yuv422"});
+  expectInputError(
+      [&] { toColor(*makeImage(cv::Mat(kSize, CV_64FC1), "64FC1", {}), "/color", kSize); },
+      InputFault::kUnsupportedEncoding, {"/color", "64FC1"});
 }
 
 TEST(Geometry, ReadsProjectionMatrices) {
   const Rig rig{120, 0.25, 62.5, 52.5, 40.25};
-  const StereoGeometry geometry = toGeometry(goodMessages(rig).asConst(), kTopics);
+  const StereoGeometry geometry = geometryOf(goodMessages(rig));
   EXPECT_DOUBLE_EQ(geometry.focal_length_px, 120);
   EXPECT_DOUBLE_EQ(geometry.baseline_m, 0.25);
   EXPECT_DOUBLE_EQ(geometry.disparity_offset_px, 10);
@@ -186,7 +300,7 @@ TEST(Geometry, FollowsBinningAndRegionOfInterest) {
   }
   messages.left_info->roi.x_offset = 12;
   messages.right_info->roi.x_offset = 8;
-  const StereoGeometry geometry = toGeometry(messages.asConst(), kTopics);
+  const StereoGeometry geometry = geometryOf(messages);
   EXPECT_DOUBLE_EQ(geometry.focal_length_px, 60);
   EXPECT_DOUBLE_EQ(geometry.baseline_m, 0.25);
   EXPECT_DOUBLE_EQ(geometry.left_cx_px, (62.5 - 12) / 2);
@@ -212,6 +326,30 @@ TEST(Geometry, RefusesUnusableCameras) {
   messages.left_info->width = 640;
   messages.left_info->height = 480;
   expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "640 x 480", "37 x 23"});
+}
+
+TEST(Geometry, RectifiedInfoIsTheGeometry) {
+  const StereoGeometry geometry{90, 0.25, 0, 110, 120, 60.5, 40.25};
+  std_msgs::Header header;
+  header.stamp = ros::Time(12, 34);
+  header.frame_id = "left_camera";
+  const sensor_msgs::CameraInfo info = toRectifiedInfo(geometry, kSize, header);
+  EXPECT_EQ(info.header, header);
+  EXPECT_EQ(cv::Size(static_cast<int>(info.width), static_cast<int>(info.height)), kSize);
+  image_geometry::PinholeCameraModel model;
+  model.fromCameraInfo(info);
+  EXPECT_EQ(model.fx(), 110);
+  EXPECT_EQ(model.fy(), 120);
+  EXPECT_EQ(model.cx(), 60.5);
+  EXPECT_EQ(model.cy(), 40.25);
+  EXPECT_EQ(model.Tx(), 0);
+  EXPECT_EQ(info.K[0], 110);  // for readers that take K in place of P
+  EXPECT_EQ(info.K[2], 60.5);
+  EXPECT_EQ(info.K[4], 120);
+  EXPECT_EQ(info.K[5], 40.25);
+  EXPECT_EQ(info.D, std::vector<double>(5, 0.0));
+  EXPECT_EQ(info.binning_x, 0U);
+  EXPECT_EQ(info.roi.width, 0U);
 }
 
 /// A result with one pixel of each kind: found, invalid, and beyond infinity in a verged rig.
@@ -276,6 +414,22 @@ TEST(DisparityImage, ValidWindowHoldsTheColumnsThatHaveAHypothesis) {
   }
 }
 
+TEST(DisparityImage, ValidWindowHoldsWhatWasFilledIn) {
+  StereoResult result;
+  result.range = {3, 4};
+  result.disparity = cv::Mat_<float>(4, 11, result.range.invalid());
+  result.disparity.at<float>(2, 1) = 4;  // no hypothesis lies in the image here
+  auto window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
+  EXPECT_EQ(window.x_offset, 0U);
+  EXPECT_EQ(window.width, 11U);
+  result.range = {-6, 4};
+  result.disparity.setTo(result.range.invalid());
+  result.disparity.at<float>(2, 10) = -4;
+  window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
+  EXPECT_EQ(window.x_offset, 0U);
+  EXPECT_EQ(window.width, 11U);
+}
+
 TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
   RefinementOptions options;
   options.subpixel = false;
@@ -291,7 +445,8 @@ TEST(PointCloud, HasEveryField) {
   const StereoGeometry geometry = smallGeometry();
   cv::Mat color(2, 3, CV_8UC3);
   cv::randu(color, 0, 256);
-  const sensor_msgs::PointCloud2 cloud = toPointCloud(smallResult(), geometry, color, someHeader());
+  const sensor_msgs::PointCloud2 cloud = toPointCloud(
+      {toValidDisparity(smallResult(), geometry), color, {}}, geometry, {}, someHeader());
   EXPECT_EQ(cloud.header, someHeader());
   EXPECT_EQ(cloud.width, 3U);
   EXPECT_EQ(cloud.height, 2U);
@@ -335,13 +490,179 @@ TEST(PointCloud, InvalidPixelsStayMissingWhereTheInvalidValueIsPositive) {
   StereoResult result;
   result.range = {5, 4};
   result.disparity = (cv::Mat_<float>(1, 2) << result.range.invalid(), 5);
-  const auto cloud =
-      toPointCloud(result, {120, 0.25, 0, 100, 90, 1, 1}, cv::Mat(1, 2, CV_8UC3), {});
+  const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};
+  const auto cloud = toPointCloud({toValidDisparity(result, geometry), cv::Mat(1, 2, CV_8UC3), {}},
+                                  geometry, {}, {});
   float z = 0;
   std::memcpy(&z, &cloud.data[8], sizeof(z));
   EXPECT_TRUE(std::isnan(z));
   std::memcpy(&z, &cloud.data[40], sizeof(z));
   EXPECT_FLOAT_EQ(z, 6);
+}
+
+/// The float of a field of point i.
+float fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string& name, std::size_t i) {
+  for (const auto& field : cloud.fields) {
+    if (field.name == name) {
+      float value = 0;
+      std::memcpy(&value, &cloud.data[i * cloud.point_step + field.offset], sizeof(value));
+      return value;
+    }
+  }
+  ADD_FAILURE() << "no field " << name;
+  return 0;
+}
+
+TEST(PointCloud, LayoutsHoldTheSamePoints) {
+  const StereoGeometry geometry = smallGeometry();
+  const StereoResult result = smallResult();
+  cv::Mat color(2, 3, CV_8UC3);
+  cv::randu(color, 0, 256);
+  const CloudSource source{toValidDisparity(result, geometry), color, result.confidence};
+  const auto stock = toPointCloud(source, geometry, {}, someHeader());
+  struct Case {
+    bool compact;
+    bool with_confidence;
+    std::uint32_t point_step;
+    std::uint32_t rgb;
+    std::uint32_t confidence;
+  };
+  for (const Case& wanted : {Case{true, false, 16, 12, 0}, Case{true, true, 20, 12, 16},
+                             Case{false, true, 32, 16, 20}}) {
+    CloudOptions options;
+    options.compact = wanted.compact;
+    options.with_confidence = wanted.with_confidence;
+    const auto cloud = toPointCloud(source, geometry, options, someHeader());
+    EXPECT_EQ(cloud.point_step, wanted.point_step);
+    EXPECT_EQ(cloud.row_step, 3 * wanted.point_step);
+    ASSERT_EQ(cloud.data.size(), 6U * wanted.point_step);
+    ASSERT_EQ(cloud.fields.size(), wanted.with_confidence ? 5U : 4U);
+    EXPECT_EQ(cloud.fields[3].offset, wanted.rgb);
+    if (wanted.with_confidence) {
+      EXPECT_EQ(cloud.fields[4].name, "confidence");
+      EXPECT_EQ(cloud.fields[4].offset, wanted.confidence);
+      EXPECT_EQ(cloud.fields[4].datatype, sensor_msgs::PointField::FLOAT32);
+      EXPECT_EQ(cloud.fields[4].count, 1U);
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(std::memcmp(&cloud.data[i * wanted.point_step], &stock.data[i * 32], 12), 0);
+      EXPECT_EQ(
+          std::memcmp(&cloud.data[i * wanted.point_step + wanted.rgb], &stock.data[i * 32 + 16], 4),
+          0);
+      if (wanted.with_confidence) {
+        EXPECT_EQ(fieldOf(cloud, "confidence", i),
+                  result.confidence.at<float>(static_cast<int>(i)));
+      }
+    }
+  }
+}
+
+TEST(PointCloud, LimitsOfDepth) {
+  const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};            // f T = 30
+  const cv::Mat disparity = (cv::Mat_<float>(1, 5) << 3, 5, 6, 10, 15);  // 10, 6, 5, 3, 2 m
+  const CloudSource source{disparity, cv::Mat(1, 5, CV_8UC3), {}};
+  const auto isThere = [&](const CloudOptions& options) {
+    const auto cloud = toPointCloud(source, geometry, options, {});
+    std::string there;
+    for (std::size_t i = 0; i < 5; ++i) {
+      there += std::isnan(fieldOf(cloud, "x", i)) ? '-' : 'x';
+    }
+    return there;
+  };
+  EXPECT_EQ(isThere({}), "xxxxx");
+  EXPECT_EQ(isThere({3, 6, false, false}), "-xxx-");
+  EXPECT_EQ(isThere({0, 5.5, false, false}), "--xxx");
+  EXPECT_EQ(isThere({2.5, 0, false, false}), "xxxx-");
+}
+
+TEST(PointCloud, FarthestPlaneOfADenseDisparityStays) {
+  StereoResult result;
+  result.range = {4, 8};
+  result.disparity = cv::Mat_<float>(2, 3, 4.0F);
+  result.disparity.at<float>(1, 1) = 9;
+  const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};
+  const auto message = toDisparityImage(result, geometry, 1, {});
+  for (const cv::Mat& disparity :
+       {toValidDisparity(result, geometry), toValidDisparity(message, "/disparity")}) {
+    const auto cloud = toPointCloud({disparity, cv::Mat(2, 3, CV_8UC3), {}}, geometry, {}, {});
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_FLOAT_EQ(fieldOf(cloud, "z", i), i == 4 ? 30.0F / 9 : 7.5F) << i;
+    }
+  }
+}
+
+TEST(ValidDisparity, OfAMessageLeavesOutEveryKindOfInvalidPixel) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  stereo_msgs::DisparityImage message;
+  message.min_disparity = -2;
+  message.max_disparity = 9;
+  const cv::Mat sent = (cv::Mat_<float>(1, 8) << -3, -2.5F, nan, infinity, -infinity, -2, 0.5F, 9);
+  message.image = *makeImage(sent, "32FC1", {});
+  const cv::Mat valid = toValidDisparity(message, "/disparity");
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(std::isnan(valid.at<float>(i)), i < 5) << i;
+  }
+  EXPECT_EQ(valid.at<float>(5), -2);
+  EXPECT_EQ(valid.at<float>(6), 0.5F);
+  EXPECT_EQ(valid.at<float>(7), 9);
+
+  message.image.encoding = "16UC1";
+  expectInputError([&] { toValidDisparity(message, "/disparity"); },
+                   InputFault::kUnsupportedEncoding, {"/disparity", "16UC1", "32FC1"});
+  message.image.encoding = "32FC1";
+  message.image.data.pop_back();
+  expectInputError([&] { toValidDisparity(message, "/disparity"); }, InputFault::kTruncatedImage,
+                   {"/disparity"});
+}
+
+TEST(DepthImage, IsMetresAndNotANumberWhereThereIsNone) {
+  const StereoGeometry geometry = smallGeometry();
+  const StereoResult result = smallResult();
+  const sensor_msgs::Image message = toDepthImage(result, geometry, someHeader());
+  EXPECT_EQ(message.header, someHeader());
+  EXPECT_EQ(message.encoding, "32FC1");
+  EXPECT_EQ(message.width, 3U);
+  EXPECT_EQ(message.height, 2U);
+  EXPECT_EQ(message.step, 12U);
+  EXPECT_EQ(message.is_bigendian, 0);
+  ASSERT_EQ(message.data.size(), 24U);
+  for (int i = 0; i < 6; ++i) {
+    float depth = 0;
+    std::memcpy(&depth, &message.data[4 * static_cast<std::size_t>(i)], sizeof(depth));
+    const float found = result.disparity.at<float>(i);
+    if (found == result.range.invalid() || found <= 1.5F) {
+      EXPECT_TRUE(std::isnan(depth)) << i;
+    } else {
+      EXPECT_FLOAT_EQ(depth, static_cast<float>(120 * 0.25 / (found - 1.5)));
+    }
+  }
+}
+
+TEST(RawDepthImage, IsMillimetresAndZeroWhereThereIsNone) {
+  StereoResult result;
+  result.range = {0, 64};
+  result.disparity = (cv::Mat_<float>(1, 6) << -1, 0, 7, 0.5F, 0.45F, 13.7F);
+  const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};  // f T = 30
+  const sensor_msgs::Image message = toRawDepthImage(result, geometry, someHeader());
+  EXPECT_EQ(message.header, someHeader());
+  EXPECT_EQ(message.encoding, "16UC1");
+  EXPECT_EQ(message.step, 12U);
+  ASSERT_EQ(message.data.size(), 12U);
+  std::array<std::uint16_t, 6> depth;
+  std::memcpy(depth.data(), message.data.data(), 12);
+  // 30 / 0.45 is 66.7 m, which 16 bits do not hold
+  EXPECT_EQ(depth, (std::array<std::uint16_t, 6>{0, 0, 4286, 60000, 0, 2190}));
+}
+
+TEST(ValidMask, IsWhereTheDisparityIs) {
+  const sensor_msgs::Image message = toValidMask(smallResult(), someHeader());
+  EXPECT_EQ(message.header, someHeader());
+  EXPECT_EQ(message.encoding, "mono8");
+  EXPECT_EQ(message.width, 3U);
+  EXPECT_EQ(message.height, 2U);
+  EXPECT_EQ(message.step, 3U);
+  EXPECT_EQ(message.data, (std::vector<std::uint8_t>{0, 255, 255, 255, 255, 0}));
 }
 
 TEST(ConfidenceImage, HasEveryField) {
@@ -360,7 +681,7 @@ TEST(ConfidenceImage, HasEveryField) {
 TEST(DisparityColorImage, RunsFromBlueToRedAndIsBlackWhereThereIsNone) {
   const sensor_msgs::Image message = toDisparityColorImage(smallResult(), someHeader());
   EXPECT_EQ(message.header, someHeader());
-  EXPECT_EQ(message.encoding, "bgr8");
+  EXPECT_EQ(message.encoding, "rgb8");
   EXPECT_EQ(message.width, 3U);
   EXPECT_EQ(message.height, 2U);
   EXPECT_EQ(message.step, 9U);
@@ -370,8 +691,8 @@ TEST(DisparityColorImage, RunsFromBlueToRedAndIsBlackWhereThereIsNone) {
   };
   EXPECT_EQ(pixel(0), cv::Vec3b(0, 0, 0));
   EXPECT_EQ(pixel(5), cv::Vec3b(0, 0, 0));
-  EXPECT_GE(pixel(1)[0], pixel(1)[2]);  // the smallest disparity: more blue than red
-  EXPECT_GT(pixel(3)[2], pixel(3)[0]);  // the largest: more red than blue
+  EXPECT_GE(pixel(1)[2], pixel(1)[0]);  // the smallest disparity: more blue than red
+  EXPECT_GT(pixel(3)[0], pixel(3)[2]);  // the largest: more red than blue
 }
 
 TEST(StatusMessage, HasEveryField) {

@@ -39,7 +39,7 @@ TEST(StereoConfig, IsTheTableOfParameters) {
   const auto defaults = valuesOf(StereoConfig::__getDefault__());
   const auto lowest = valuesOf(StereoConfig::__getMin__());
   const auto highest = valuesOf(StereoConfig::__getMax__());
-  EXPECT_EQ(defaults.size(), stereoParameters().size());
+  EXPECT_EQ(defaults.size(), stereoParameters().size() + 1);  // and min_confidence
   for (const Parameter& parameter : stereoParameters()) {
     SCOPED_TRACE(parameter.name);
     ASSERT_EQ(defaults.count(parameter.name), 1U);
@@ -83,6 +83,17 @@ TEST(ApplyConfig, RefusesWhatIsNotANumber) {
   config.P2 = std::numeric_limits<double>::quiet_NaN();
   StereoOptions options;
   EXPECT_THROW(applyConfig(config, options), Error);
+}
+
+TEST(MinConfidence, IsAShareFromZeroToOne) {
+  EXPECT_EQ(StereoConfig::__getDefault__().min_confidence, 0);
+  EXPECT_EQ(StereoConfig::__getMin__().min_confidence, 0);
+  EXPECT_EQ(StereoConfig::__getMax__().min_confidence, 1);
+  auto config = StereoConfig::__getDefault__();
+  config.min_confidence = 0.25;
+  EXPECT_EQ(minConfidence(config), 0.25F);
+  config.min_confidence = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(minConfidence(config), Error);
 }
 
 TEST(WriteConfig, KeepsValuesAsTheyWereTyped) {

@@ -2,20 +2,15 @@
 // outside, against the core called in this process.
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <memory>
 #include <numeric>
 
 #include <gtest/gtest.h>
-#include <nodelet/loader.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "ros/forest_fixture.h"
 #include "ros/stereo_client.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv {
@@ -71,9 +66,11 @@ void expectDisparity(const stereo_msgs::DisparityImage& message, const PairMessa
   EXPECT_EQ(message.max_disparity, static_cast<float>(range.max() - offset));
   EXPECT_GT(message.delta_d, 0.0F);
   EXPECT_LT(message.delta_d, 1.0F / 16);
-  EXPECT_EQ(message.valid_window.x_offset, static_cast<unsigned>(std::max(0, range.min)));
-  EXPECT_EQ(message.valid_window.x_offset + message.valid_window.width,
+  EXPECT_LE(message.valid_window.x_offset, static_cast<unsigned>(std::max(0, range.min)));
+  EXPECT_GE(message.valid_window.x_offset + message.valid_window.width,
             static_cast<unsigned>(kSize.width + std::min(0, range.max())));
+  EXPECT_LE(message.valid_window.x_offset + message.valid_window.width,
+            static_cast<unsigned>(kSize.width));
   EXPECT_EQ(message.valid_window.y_offset, 0U);
   EXPECT_EQ(message.valid_window.height, static_cast<unsigned>(kSize.height));
   EXPECT_FALSE(message.valid_window.do_rectify);
@@ -85,6 +82,10 @@ void expectDisparity(const stereo_msgs::DisparityImage& message, const PairMessa
       const float wanted =
           d == range.invalid() ? message.min_disparity - 1 : static_cast<float>(d - offset);
       ASSERT_EQ(published.at<float>(y, x), wanted) << "at " << x << ", " << y;
+      const bool inside =
+          x >= static_cast<int>(message.valid_window.x_offset) &&
+          x < static_cast<int>(message.valid_window.x_offset + message.valid_window.width);
+      ASSERT_TRUE(inside || d == range.invalid()) << "at " << x << ", " << y;
     }
   }
 }
@@ -133,12 +134,13 @@ void expectCloud(const sensor_msgs::PointCloud2& cloud, const PairMessages& sent
 
 void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages& sent,
                           const StereoResult& expected) {
-  expectImageFields(message, sent, "bgr8", 3);
+  expectImageFields(message, sent, "rgb8", 3);
   const cv::Mat published = asMat(message, CV_8UC3);
   cv::Mat levels(1, 256, CV_8UC1);
   std::iota(levels.begin<uchar>(), levels.end<uchar>(), 0);
   cv::Mat map;
   cv::applyColorMap(levels, map, cv::COLORMAP_TURBO);
+  cv::cvtColor(map, map, cv::COLOR_BGR2RGB);
   for (int y = 0; y < kSize.height; ++y) {
     for (int x = 0; x < kSize.width; ++x) {
       const float d = expected.disparity.at<float>(y, x);
@@ -153,14 +155,63 @@ void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages&
   }
 }
 
+/// Both depth images and the mask, pixel by pixel.
+void expectDepth(const StereoClient& client, const PairMessages& sent, const StereoResult& expected,
+                 const Rig& rig) {
+  const ros::Time stamp = sent.left_image->header.stamp;
+  expectImageFields(client.depth.at(stamp), sent, "32FC1", 4);
+  expectImageFields(client.depth_raw.at(stamp), sent, "16UC1", 2);
+  expectImageFields(client.valid_mask.at(stamp), sent, "mono8", 1);
+  const cv::Mat depth = asMat(client.depth.at(stamp), CV_32FC1);
+  const cv::Mat raw = asMat(client.depth_raw.at(stamp), CV_16UC1);
+  const cv::Mat mask = asMat(client.valid_mask.at(stamp), CV_8UC1);
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const float found = expected.disparity.at<float>(y, x);
+      const double d = found - (rig.cx_left_px - rig.cx_right_px);
+      const bool valid = found != expected.range.invalid();
+      ASSERT_EQ(mask.at<uchar>(y, x), valid ? 255 : 0);
+      if (!valid || d <= 0) {
+        ASSERT_TRUE(std::isnan(depth.at<float>(y, x)));
+        ASSERT_EQ(raw.at<std::uint16_t>(y, x), 0);
+        continue;
+      }
+      const double z = rig.focal_length_px * rig.baseline_m / d;
+      ASSERT_FLOAT_EQ(depth.at<float>(y, x), static_cast<float>(z));
+      ASSERT_NEAR(raw.at<std::uint16_t>(y, x), z < 65.5355 ? z * 1000 : 0, 0.51);
+    }
+  }
+}
+
+void expectCameraInfo(const sensor_msgs::CameraInfo& info, const PairMessages& sent,
+                      const Rig& rig) {
+  EXPECT_EQ(info.header.stamp, sent.left_image->header.stamp);
+  EXPECT_EQ(info.header.frame_id, sent.left_image->header.frame_id);
+  EXPECT_EQ(info.width, static_cast<unsigned>(kSize.width));
+  EXPECT_EQ(info.height, static_cast<unsigned>(kSize.height));
+  EXPECT_EQ(info.P[0], rig.focal_length_px);
+  EXPECT_EQ(info.P[2], rig.cx_left_px);
+  EXPECT_EQ(info.P[3], 0);
+  EXPECT_EQ(info.P[5], rig.focal_length_px);
+  EXPECT_EQ(info.P[6], rig.cy_px);
+}
+
 class StereoTopics : public ::testing::Test {
  protected:
-  void SetUp() override {
-    options_ = client_.setOptions(testOptions());
-    client_.subscribeAll();
-    ASSERT_TRUE(waitFor([&] { return client_.inputsAreWanted() && client_.colorIsWanted(); }));
-    ASSERT_TRUE(waitFor([&] { return client_.allConnected(); }));
+  /// One client for all tests: connecting takes longer than they do.
+  static void SetUpTestSuite() {
+    shared_client = std::make_unique<StereoClient>();
+    StereoClient& client = *shared_client;
+    client.setOptions(testOptions());  // the node is up
+    client.subscribeAll();
+    ASSERT_TRUE(waitFor([&] {
+      return client.cameras.pairIsWanted() && client.cameras.colorIsWanted() &&
+             client.allConnected();
+    }));
   }
+  static void TearDownTestSuite() { shared_client.reset(); }
+
+  void SetUp() override { options_ = client_.setOptions(testOptions()); }
 
   PairMessages makeGoodMessages() { return makeMessages(pair_, rig_, ros::Time::now()); }
 
@@ -171,7 +222,7 @@ class StereoTopics : public ::testing::Test {
   /// Sends the pair and compares every field of every output.
   void expectOutputsOf(const StereoResult& expected) {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     cv::Mat grey;
     cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
@@ -182,6 +233,8 @@ class StereoTopics : public ::testing::Test {
     const ros::Time stamp = sent.left_image->header.stamp;
     expectDisparity(client_.disparity.at(stamp), sent, expected, rig_);
     expectCloud(client_.points.at(stamp), sent, expected, rig_, color);
+    expectDepth(client_, sent, expected, rig_);
+    expectCameraInfo(client_.camera_info.at(stamp), sent, rig_);
     const sensor_msgs::Image& confidence = client_.confidence.at(stamp);
     expectImageFields(confidence, sent, "32FC1", 4);
     EXPECT_EQ(cv::norm(asMat(confidence, CV_32FC1), expected.confidence, cv::NORM_INF), 0);
@@ -193,7 +246,7 @@ class StereoTopics : public ::testing::Test {
 
   std::uint64_t badInputsSoFar() {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     return client_.status.at(sent.left_image->header.stamp).dropped_bad_input;
   }
@@ -205,14 +258,15 @@ class StereoTopics : public ::testing::Test {
     const std::uint64_t before = badInputsSoFar();
     PairMessages messages = makeGoodMessages();
     spoil(messages);
-    client_.publish(messages);
-    EXPECT_TRUE(client_.waitForWarning(words)) << "no warning with '" << words.front() << "'";
+    client_.cameras.publish(messages);
+    EXPECT_TRUE(client_.log.waitForWarning(words)) << "no warning with '" << words.front() << "'";
     expectAlive();
     EXPECT_EQ(badInputsSoFar(), before + 1);
     EXPECT_FALSE(client_.disparity.has(messages.left_image->header.stamp));
   }
 
-  StereoClient client_;
+  static inline std::unique_ptr<StereoClient> shared_client;
+  StereoClient& client_ = *shared_client;
   StereoPair pair_ = renderPair(kSize, kFarPx, kNearPx);
   Rig rig_;
   StereoOptions options_;
@@ -252,7 +306,7 @@ TEST_F(StereoTopics, VergedRig) {
   rig_.cx_right_px = 68;  // matched disparities are 5.5 px less than those of parallel cameras
   expectOutputsOf(expectedResult(pair_, options_));
   const PairMessages sent = makeGoodMessages();
-  client_.publish(sent);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   const auto& cloud = client_.points.at(sent.left_image->header.stamp);
   float z = 0;
@@ -276,7 +330,7 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   ASSERT_TRUE(waitFor([&] {
     sent = makeGoodMessages();
     stamp = sent.left_image->header.stamp;
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     return waitForOutputs(stamp) && client_.status.at(stamp).vertical_offset_matches > 0;
   }));
   const cbmv_stereo::Status& status = client_.status.at(stamp);
@@ -306,9 +360,9 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
       cv::cvtColor(bgr, color, code);
     }
     const PairMessages sent = makeGoodMessages();
-    client_.publishColor(makeImage(color, encoding, sent.left_image->header));
-    waitFor([] { return false; }, 0.2);  // colour is taken only if it is there
-    client_.publish(sent);
+    client_.cameras.publishColor(makeImage(color, encoding, sent.left_image->header));
+    wait(0.2);  // colour is taken only if it is there
+    client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     expectAll(sent, expected, bgr);
   }
@@ -316,22 +370,22 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
 
 TEST_F(StereoTopics, CloudStaysGreyWithUnusableColour) {
   const PairMessages sent = makeGoodMessages();
-  client_.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
-  waitFor([] { return false; }, 0.2);
-  client_.publish(sent);
+  client_.cameras.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
+  wait(0.2);
+  client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
   expectAll(sent, expectedResult(pair_, options_), grey);
-  EXPECT_TRUE(client_.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
 }
 
 TEST_F(StereoTopics, StatusDescribesTheFrame) {
   const PairMessages first = makeGoodMessages();
-  client_.publish(first);
+  client_.cameras.publish(first);
   ASSERT_TRUE(waitForOutputs(first.left_image->header.stamp));
   const PairMessages second = makeGoodMessages();
-  client_.publish(second);
+  client_.cameras.publish(second);
   ASSERT_TRUE(waitForOutputs(second.left_image->header.stamp));
   const cbmv_stereo::Status& before = client_.status.at(first.left_image->header.stamp);
   const cbmv_stereo::Status& status = client_.status.at(second.left_image->header.stamp);
@@ -362,7 +416,7 @@ TEST_F(StereoTopics, StatusDescribesTheFrame) {
 TEST_F(StereoTopics, NewestFrameWins) {
   const cbmv_stereo::Status before = [&] {
     const PairMessages sent = makeGoodMessages();
-    client_.publish(sent);
+    client_.cameras.publish(sent);
     EXPECT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     return client_.status.at(sent.left_image->header.stamp);
   }();
@@ -373,9 +427,9 @@ TEST_F(StereoTopics, NewestFrameWins) {
   constexpr int kFrames = 15;
   ros::Time last;
   for (int i = 0; i < kFrames; ++i) {
-    waitFor([] { return false; }, 0.01);  // else messages would pile up before the node
+    wait(0.01);  // else messages would pile up before the node
     last = ros::Time::now();
-    client_.publish(makeMessages(pair_, rig_, last));
+    client_.cameras.publish(makeMessages(pair_, rig_, last));
   }
   ASSERT_TRUE(waitForOutputs(last)) << "the newest frame was dropped";
   const cbmv_stereo::Status& status = client_.status.at(last);
@@ -394,8 +448,6 @@ TEST_F(StereoTopics, DropsBadInputWithAWarningAndLives) {
             makeImage(cv::Mat(60, 125, CV_8UC1, cv::Scalar(7)), "mono8", m.right_image->header);
       },
       {left, right, "125 x 81", "125 x 60"});
-  expectDropped([](PairMessages& m) { m.right_image->encoding = "8UC1"; },
-                {left, right, "'mono8'", "'8UC1'"});
   expectDropped([](PairMessages& m) { m.right_image->header.frame_id = "other"; },
                 {left, right, "'left_camera'", "'other'"});
   expectDropped([](PairMessages& m) { m.left_image->width = m.right_image->width = 0; },
@@ -410,18 +462,79 @@ TEST_F(StereoTopics, DropsBadInputWithAWarningAndLives) {
                 {"/stereo/left/camera_info", "640 x 81"});
 }
 
+TEST_F(StereoTopics, ImagesMayDifferInEncoding) {
+  const PairMessages sent = makeGoodMessages();
+  cv::Mat color;
+  cv::cvtColor(pair_.right, color, cv::COLOR_GRAY2BGR);
+  sent.right_image->encoding = "bgr8";
+  sent.right_image->step *= 3;
+  sent.right_image->data.assign(color.data, color.data + color.total() * color.elemSize());
+  client_.cameras.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), grey);
+}
+
+TEST_F(StereoTopics, RangeNeedNotBeAMultipleOfSixteen) {
+  StereoOptions options = testOptions();
+  options.range = {1, 13};
+  options_ = client_.setOptions(options);
+  EXPECT_EQ(options_.range.count, 13);
+  expectOutputsOf(expectedResult(pair_, options_));
+}
+
+TEST_F(StereoTopics, UncertainPixelsAreInvalid) {
+  constexpr float kMinConfidence = 0.6F;
+  options_ = client_.setOptions(testOptions(), kMinConfidence);
+  StereoResult expected = expectedResult(pair_, options_);
+  const cv::Mat uncertain = expected.confidence < kMinConfidence;
+  EXPECT_GT(cv::countNonZero(uncertain), 0);
+  EXPECT_GT(cv::countNonZero(~uncertain), 0);
+  expected.disparity.setTo(expected.range.invalid(), uncertain);
+  expectOutputsOf(expected);
+}
+
+/// Different regions of both sensors, read out with binning: cx of the images differ by more than
+/// those of the cameras.
+TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
+  PairMessages sent = makeGoodMessages();
+  for (const auto& info : {sent.left_info, sent.right_info}) {
+    info->width = 400;
+    info->height = 300;
+    info->binning_x = info->binning_y = 2;
+    info->roi.width = 2 * 125;
+    info->roi.height = 2 * 81;
+    info->roi.y_offset = 10;
+    info->P[0] = info->P[5] = 2 * rig_.focal_length_px;
+    info->P[2] = 200;
+    info->P[6] = 91;
+  }
+  sent.right_info->P[3] = -2 * rig_.focal_length_px * rig_.baseline_m;
+  sent.left_info->roi.x_offset = 74;
+  sent.right_info->roi.x_offset = 80;
+  rig_.cx_left_px = (200 - 74) / 2;
+  rig_.cx_right_px = (200 - 80) / 2;
+  rig_.cy_px = (91 - 10) / 2.0;
+  client_.cameras.publish(sent);
+  ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
+  cv::Mat grey;
+  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), grey);
+}
+
 TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
   StereoOptions options = testOptions();
   options.range.count = 200;
   client_.setOptions(options);
   options.range.count = kSize.width;
   expectOutputsOf(expectedResult(pair_, options));
-  EXPECT_TRUE(client_.waitForWarning({"disparity_range is 200", "125 px"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"disparity_range is 200", "125 px"}));
 
   options.range = {200, 16};
   client_.setOptions(options);
-  client_.publish(makeGoodMessages());
-  EXPECT_TRUE(client_.waitForWarning({"200 ... 215 px", "125 px"}));
+  client_.cameras.publish(makeGoodMessages());
+  EXPECT_TRUE(client_.log.waitForWarning({"200 ... 215 px", "125 px"}));
   options_ = client_.setOptions(testOptions());
   expectAlive();
 }
@@ -448,156 +561,25 @@ TEST_F(StereoTopics, ParametersAreCorrectedAndTheCorrectionIsReported) {
     return describeOptions(options);
   }());
   EXPECT_LE(options_.sgm.p1, options_.sgm.p2);
-  EXPECT_TRUE(client_.waitForWarning({"P1", "P2"}));
-  EXPECT_TRUE(client_.waitForWarning({"median_size"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"P1", "P2"}));
+  EXPECT_TRUE(client_.log.waitForWarning({"median_size"}));
   expectAlive();
 }
 
 TEST(LazySubscription, InputsAreSubscribedOnlyWhileAnOutputIs) {
   StereoClient client;
   client.setOptions(testOptions());  // the node is up
-  EXPECT_FALSE(waitFor([&] { return client.anyInputIsWanted(); }, 1));
+  EXPECT_FALSE(waitFor([&] { return client.cameras.anyIsWanted(); }, 0.3));
   ros::NodeHandle nh;
   client.withEach([&](auto& output, const std::string& topic) {
     SCOPED_TRACE(topic);
     output.subscribe(nh, topic);
-    EXPECT_TRUE(waitFor([&] { return client.inputsAreWanted(); }));
-    EXPECT_EQ(waitFor([&] { return client.colorIsWanted(); }, 0.5), topic == "points2");
+    EXPECT_TRUE(waitFor([&] { return client.cameras.pairIsWanted(); }));
+    const bool colored = topic == "points2";
+    EXPECT_EQ(waitFor([&] { return client.cameras.colorIsWanted(); }, colored ? 10 : 0.1), colored);
     output.unsubscribe();
-    EXPECT_TRUE(waitFor([&] { return !client.anyInputIsWanted(); }));
+    EXPECT_TRUE(waitFor([&] { return !client.cameras.anyIsWanted(); }));
   });
-}
-
-/// A nodelet in this process, with topics and parameters in a namespace of its own.
-class LocalNodelet {
- public:
-  explicit LocalNodelet(const std::string& name_space)
-      : name_("/" + name_space + "/cbmv_stereo"), parameters_(name_), loader_(false) {
-    parameters_.setParam("forest", CBMV_TEST_FOREST);
-  }
-  ~LocalNodelet() { parameters_.deleteParam(name_); }
-
-  ros::NodeHandle& parameters() { return parameters_; }
-  bool load() { return loader_.load(name_, "cbmv_stereo/stereo", {}, {}); }
-  bool unload() { return loader_.unload(name_); }
-
- private:
-  std::string name_;
-  ros::NodeHandle parameters_;
-  nodelet::Loader loader_;
-};
-
-TEST(Startup, ForestIsRequired) {
-  const std::string damaged = CBMV_TEST_FOREST ".damaged";
-  std::ofstream(damaged) << "this is not a forest";
-  for (const std::string& path : {std::string(), std::string("/nonexistent/a.forest"), damaged}) {
-    LocalNodelet nodelet("forest_test");
-    nodelet.parameters().setParam("forest", path);
-    EXPECT_FALSE(nodelet.load()) << path;
-  }
-  LocalNodelet nodelet("forest_test");
-  EXPECT_TRUE(nodelet.load());
-}
-
-TEST(Startup, LoadsTheForestOfThePackage) {
-  LocalNodelet nodelet("package_forest_test");
-  nodelet.parameters().setParam("forest", CBMV_SOURCE_DIR "/models/middlebury.forest");
-  EXPECT_TRUE(nodelet.load());
-}
-
-TEST(Startup, NodeWithoutForestExitsWithAnError) {
-  const pid_t child = fork();
-  if (child == 0) {
-    execl(CBMV_STEREO_NODE, "cbmv_stereo_node", "__name:=no_forest",
-          "_forest:=/nonexistent/a.forest", nullptr);
-    _exit(0);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1);
-}
-
-TEST(Startup, PresetYieldsToExplicitParameters) {
-  const std::string preset = CBMV_TEST_FOREST ".yaml";
-  std::ofstream(preset) << "P1: 3\nsgm_iterations: 1\nsubpixel: false\n";
-  LocalNodelet nodelet("preset_test");
-  nodelet.parameters().setParam("preset", preset);
-  nodelet.parameters().setParam("sgm_iterations", 3);
-  ASSERT_TRUE(nodelet.load());
-  double p1 = 0;
-  int iterations = 0;
-  bool subpixel = true;
-  EXPECT_TRUE(nodelet.parameters().getParam("P1", p1));
-  EXPECT_TRUE(nodelet.parameters().getParam("sgm_iterations", iterations));
-  EXPECT_TRUE(nodelet.parameters().getParam("subpixel", subpixel));
-  EXPECT_EQ(p1, 3);
-  EXPECT_EQ(iterations, 3);
-  EXPECT_FALSE(subpixel);
-}
-
-TEST(Startup, RefusesBadPrivateParameters) {
-  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1)}) {
-    LocalNodelet nodelet("bad_parameter_test");
-    nodelet.parameters().setParam(name, value);
-    EXPECT_FALSE(nodelet.load()) << name;
-  }
-}
-
-/// Publishes a pair to the inputs of a namespace until its disparity comes back.
-bool disparityComesBack(const std::string& name_space,
-                        const std::function<void(PairMessages&)>& change) {
-  ros::NodeHandle nh("/" + name_space);
-  auto left_image = nh.advertise<sensor_msgs::Image>("left/image_rect", 5);
-  auto left_info = nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 5);
-  auto right_image = nh.advertise<sensor_msgs::Image>("right/image_rect", 5);
-  auto right_info = nh.advertise<sensor_msgs::CameraInfo>("right/camera_info", 5);
-  Collector<stereo_msgs::DisparityImage> disparity;
-  disparity.subscribe(nh, "disparity");
-  return waitFor(
-      [&] {
-        PairMessages messages =
-            makeMessages(renderPair(kSize, kFarPx, kNearPx), {}, ros::Time::now());
-        change(messages);
-        left_image.publish(messages.left_image);
-        left_info.publish(messages.left_info);
-        right_image.publish(messages.right_image);
-        right_info.publish(messages.right_info);
-        waitFor([] { return false; }, 0.1);
-        return disparity.count() > 0;
-      },
-      4);
-}
-
-TEST(Synchronisation, CloseStampsNeedApproximateSync) {
-  const auto delay_right = [](PairMessages& messages) {
-    messages.right_image->header.stamp += ros::Duration(0.002);
-    messages.right_info->header.stamp += ros::Duration(0.002);
-  };
-  for (const bool approximate : {false, true}) {
-    LocalNodelet nodelet("sync_test");
-    nodelet.parameters().setParam("approximate_sync", approximate);
-    ASSERT_TRUE(nodelet.load());
-    EXPECT_EQ(disparityComesBack("sync_test", delay_right), approximate);
-  }
-}
-
-TEST(FrameIds, MayDifferIfAllowed) {
-  LocalNodelet nodelet("frame_id_test");
-  nodelet.parameters().setParam("allow_different_frame_ids", true);
-  ASSERT_TRUE(nodelet.load());
-  EXPECT_TRUE(disparityComesBack("frame_id_test", [](PairMessages& messages) {
-    messages.right_image->header.frame_id = "right_camera";
-  }));
-}
-
-TEST(Shutdown, UnloadsWhileAFrameIsInWork) {
-  for (int round = 0; round < 5; ++round) {
-    LocalNodelet nodelet("unload_test");
-    nodelet.parameters().setParam("disparity_range", 64);
-    ASSERT_TRUE(nodelet.load());
-    ASSERT_TRUE(disparityComesBack("unload_test", [](PairMessages&) {}));
-    EXPECT_TRUE(nodelet.unload());
-  }
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "ros/point_cloud.h"
+#include "ros/private_parameters.h"
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+
+/// From the private parameters points_…, but not the one about confidence, which not every nodelet
+/// has. Throws Error if they leave no point.
+inline CloudOptions readCloudOptions(const PrivateParameters& parameters) {
+  CloudOptions options;
+  options.min_depth_m = parameters.get<double>("points_min_depth_m");
+  options.max_depth_m = parameters.get<double>("points_max_depth_m");
+  options.compact = parameters.get<bool>("points_compact");
+  if (options.max_depth_m != 0 && options.max_depth_m <= options.min_depth_m) {
+    throw Error(parameters.nodeHandle().resolveName("points_max_depth_m") +
+                " is not more than points_min_depth_m, so no point would be left; a larger one, or "
+                "0 for no limit, would be right");
+  }
+  return options;
+}
+
+}  // namespace cbmv

@@ -1,0 +1,113 @@
+#include "ros/output_publishers.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <boost/make_shared.hpp>
+
+namespace cbmv {
+namespace {
+
+constexpr std::uint32_t kQueueSize = 1;  // a reader that is slower gets the newest
+
+/// The publisher for messages of a type: image_transport's for images.
+template <typename Message>
+auto advertise(const OutputContext& context, const std::string& topic) {
+  const auto changed = [call = context.changed](const auto&) { call(); };
+  if constexpr (std::is_same_v<Message, sensor_msgs::Image>) {
+    const image_transport::SubscriberStatusCallback callback = changed;
+    return context.transport.advertise(topic, kQueueSize, callback, callback);
+  } else {
+    const ros::SubscriberStatusCallback callback = changed;
+    return ros::NodeHandle(context.nh).advertise<Message>(topic, kQueueSize, callback, callback);
+  }
+}
+
+/// The row of an output whose messages are make(frame).
+template <typename Make>
+Output output(const char* topic, const char* description, Make make) {
+  using Message = std::invoke_result_t<Make, const OutputFrame&>;
+  const auto advertise_it = [topic, make](const OutputContext& context) {
+    const auto publisher = advertise<Message>(context, topic);
+    return LiveOutput{
+        topic, [publisher] { return publisher.getNumSubscribers(); },
+        [publisher, make](const OutputFrame& frame) {
+          const boost::shared_ptr<const Message> message =
+              boost::make_shared<Message>(make(frame));  // shared with nodelets of this process
+          publisher.publish(message);
+        }};
+  };
+  return {topic, ros::message_traits::datatype<Message>(), description, advertise_it};
+}
+
+}  // namespace
+
+std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
+  using Frame = OutputFrame;
+  return {
+      output("disparity", "Disparities in pixels, Z = f T / d; see the conventions below",
+             [](const Frame& f) {
+               const double step_px = f.processed.disparity_step_px;
+               return toDisparityImage(f.result(), f.geometry(), step_px, f.header);
+             }),
+      output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
+             [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
+      output("depth_raw", "16UC1, Z in millimetres; 0 where there is none or more than 65 535",
+             [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
+      output("camera_info", "Of `depth` and `depth_raw`: the rectified left camera",
+             [](const Frame& f) {
+               return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
+             }),
+      output("confidence",
+             "32FC1 in [0, 1]: probability that the disparity is right; halved where the "
+             "left-right check failed, 0 where there is none",
+             [](const Frame& f) { return toConfidenceImage(f.result(), f.header); }),
+      output("valid_mask", "mono8: 255 where there is a disparity, 0 where there is none",
+             [](const Frame& f) { return toValidMask(f.result(), f.header); }),
+      output("disparity_color",
+             "rgb8 for viewers: from blue, at the lowest disparity of the range, to red; black "
+             "where there is none",
+             [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
+      // After the images, because it may wait for colour.
+      output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
+             [cloud_options](const Frame& f) {
+               const CloudSource source{toValidDisparity(f.result(), f.geometry()), f.color(),
+                                        f.result().confidence};
+               return toPointCloud(source, f.geometry(), cloud_options, f.header);
+             }),
+      output("status",
+             "Time of each stage and age of the frame in milliseconds, frames processed and "
+             "dropped, vertical offset in pixels",
+             [](const Frame& f) { return toStatus(f.result(), f.state(), f.header); }),
+  };
+}
+
+OutputPublishers::OutputPublishers(const ros::NodeHandle& nh, const std::vector<Output>& outputs,
+                                   std::function<void()> changed)
+    : transport_(nh) {
+  const OutputContext context{nh, transport_, std::move(changed)};
+  for (const Output& output : outputs) {
+    outputs_.push_back(output.advertise(context));
+  }
+}
+
+bool OutputPublishers::anyIsWanted() const {
+  return std::any_of(outputs_.begin(), outputs_.end(),
+                     [](const LiveOutput& output) { return output.subscribers() > 0; });
+}
+
+bool OutputPublishers::isWanted(const std::string& topic) const {
+  return std::any_of(outputs_.begin(), outputs_.end(), [&](const LiveOutput& output) {
+    return output.topic == topic && output.subscribers() > 0;
+  });
+}
+
+void OutputPublishers::publish(const OutputFrame& frame) const {
+  for (const LiveOutput& output : outputs_) {
+    if (output.subscribers() > 0) {
+      output.publish(frame);
+    }
+  }
+}
+
+}  // namespace cbmv

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+
+#include "ros/conversions.h"
+#include "ros/stereo_processor.h"
+
+namespace cbmv {
+
+/// What the messages of one frame are made from.
+struct OutputFrame {
+  std_msgs::Header header;
+  const ProcessedFrame& processed;
+  std::function<cv::Mat()> color;    ///< of the left image, CV_8UC3 blue, green, red
+  std::function<NodeState()> state;  ///< when it is asked for
+
+  const StereoResult& result() const { return processed.result; }
+  const StereoGeometry& geometry() const { return processed.geometry; }
+};
+
+/// A publisher with the type of its messages taken away.
+struct LiveOutput {
+  std::string topic;
+  std::function<std::uint32_t()> subscribers;
+  std::function<void(const OutputFrame&)> publish;
+};
+
+/// Where outputs are advertised.
+struct OutputContext {
+  ros::NodeHandle nh;
+  image_transport::ImageTransport& transport;
+  std::function<void()> changed;  ///< called when a subscriber comes or goes
+};
+
+/// One output: a row of the table in docs/ros.md.
+struct Output {
+  std::string topic;
+  std::string type;
+  std::string description;
+  std::function<LiveOutput(const OutputContext&)> advertise;
+};
+
+/// All outputs of cbmv_stereo/stereo.
+std::vector<Output> stereoOutputs(const CloudOptions& cloud_options);
+
+/// Publishes each output while it has a subscriber. Images go by image_transport.
+class OutputPublishers {
+ public:
+  /// `changed` may be called by other threads before the constructor has returned.
+  OutputPublishers(const ros::NodeHandle& nh, const std::vector<Output>& outputs,
+                   std::function<void()> changed);
+
+  bool anyIsWanted() const;
+  bool isWanted(const std::string& topic) const;
+  void publish(const OutputFrame& frame) const;
+
+ private:
+  image_transport::ImageTransport transport_;
+  std::vector<LiveOutput> outputs_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,132 @@
+#include "ros/point_cloud_nodelet.h"
+
+#include <cmath>
+#include <exception>
+
+#include <boost/make_shared.hpp>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ros/cloud_parameters.h"
+#include "ros/conversions.h"
+
+namespace cbmv {
+namespace {
+
+constexpr double kSilenceCheckS = 1;
+/// Causes of warnings besides the values of InputFault.
+enum Cause { kFailed = 100, kColorUnusable };
+
+/// The message says itself what Z = f T / d is; one that does not is read by the calibration.
+void takeFocalLengthAndBaseline(const stereo_msgs::DisparityImage& disparity,
+                                StereoGeometry& geometry) {
+  if (std::isfinite(disparity.f) && std::isfinite(disparity.T) && disparity.f > 0 &&
+      disparity.T > 0) {
+    geometry.focal_length_px = disparity.f;
+    geometry.baseline_m = disparity.T;
+  }
+}
+
+}  // namespace
+
+PointCloudNodelet::~PointCloudNodelet() { stop(); }
+
+void PointCloudNodelet::onInit() {
+  try {
+    initialize();
+  } catch (const std::exception& error) {
+    NODELET_FATAL("cannot start: %s", error.what());
+    stop();  // nodelet::Loader frees the callback queues before it frees a nodelet that threw
+    throw;
+  }
+}
+
+void PointCloudNodelet::initialize() {
+  const PrivateParameters parameters(getPrivateNodeHandle(), pointCloudPrivateParameters());
+  options_ = readCloudOptions(parameters);
+  worker_ = std::make_unique<FrameWorker<CloudMessages>>(
+      [this](const CloudMessages& messages) { work(messages); });
+  const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
+    updateSubscriptions();
+  };
+  // Until the publisher is there, a subscriber that comes at once has to wait.
+  const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+  inputs_ = std::make_unique<CloudInputs>(
+      getNodeHandle(), parameters, kCloudInputTopics,
+      [this](const auto&... messages) { worker_->submit({messages...}); });
+  topics_ = inputs_->topics();
+  publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
+  silence_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });
+}
+
+void PointCloudNodelet::stop() {
+  {
+    const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+    stopping_ = true;
+  }
+  // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
+  // publisher waits for its callbacks when it goes.
+  silence_timer_.stop();
+  inputs_.reset();
+  worker_.reset();
+  publisher_.shutdown();
+}
+
+void PointCloudNodelet::updateSubscriptions() {
+  const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
+  const bool wanted = publisher_.getNumSubscribers() > 0;
+  if (stopping_ || wanted == inputs_->isSubscribed()) {
+    return;
+  }
+  try {
+    wanted ? inputs_->subscribe() : inputs_->unsubscribe();
+  } catch (const image_transport::Exception& error) {
+    NODELET_ERROR_STREAM("no images: the parameter image_transport is '"
+                         << inputs_->hints().getTransport() << "': " << error.what());
+  }
+}
+
+void PointCloudNodelet::reportSilence() {
+  const std::string report = inputs_->reportSilence();
+  if (!report.empty()) {
+    NODELET_WARN_STREAM(report);
+  }
+}
+
+void PointCloudNodelet::work(const CloudMessages& messages) {
+  try {
+    publisher_.publish(boost::make_shared<sensor_msgs::PointCloud2>(makeCloud(messages)));
+  } catch (const InputError& error) {
+    warn(static_cast<int>(error.fault()), std::string(error.what()) + "; frame dropped");
+  } catch (const std::exception& error) {
+    warn(kFailed, std::string("frame dropped: ") + error.what());
+  }
+}
+
+sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messages) {
+  const cv::Mat disparity = toValidDisparity(*messages.disparity, topics_[3]);
+  StereoGeometry geometry = toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
+                                       {topics_[0], topics_[1], topics_[0], topics_[2]});
+  takeFocalLengthAndBaseline(*messages.disparity, geometry);
+  return toPointCloud({disparity, colorOf(messages, disparity.size()), {}}, geometry, options_,
+                      messages.disparity->header);
+}
+
+cv::Mat PointCloudNodelet::colorOf(const CloudMessages& messages, cv::Size size) {
+  try {
+    return toColor(*messages.color, topics_[0], size);
+  } catch (const InputError& error) {
+    warn(kColorUnusable, std::string(error.what()) + "; the cloud stays white");
+    return cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
+  }
+}
+
+void PointCloudNodelet::warn(int cause, const std::string& sentence) {
+  if (throttle_.isDue(cause)) {
+    NODELET_WARN_STREAM(sentence);
+  }
+}
+
+}  // namespace cbmv
+
+PLUGINLIB_EXPORT_CLASS(cbmv::PointCloudNodelet, nodelet::Nodelet)

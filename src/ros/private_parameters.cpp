@@ -1,0 +1,118 @@
+#include "ros/private_parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr double kMostDepthM = 1e6;
+
+std::vector<PrivateParameter> syncParameters() {
+  return {{"queue_size", 5, 1, 1000, "messages",
+           "Messages of each input that may wait for their partners"},
+          {"approximate_sync", false, 0, 0, "", "Pair messages whose stamps are close, not equal"},
+          {"approximate_sync_max_interval_s", 0.1, 0, 3600, "s",
+           "With approximate_sync: stamps farther apart are never paired; 0: no bound"},
+          {"image_transport", std::string("raw"), 0, 0, "",
+           "Transport by which the images are received"}};
+}
+
+std::vector<PrivateParameter> cloudParameters() {
+  return {{"points_min_depth_m", 0.0, 0, kMostDepthM, "m", "Nearer points (Z) are missing"},
+          {"points_max_depth_m", 0.0, 0, kMostDepthM, "m",
+           "Points farther away (Z) are missing; 0: no limit"},
+          {"points_compact", false, 0, 0, "",
+           "16 bytes a point, rgb at byte 12, in place of the 32 bytes that PCL's types have"}};
+}
+
+void append(const std::vector<PrivateParameter>& more, std::vector<PrivateParameter>& table) {
+  table.insert(table.end(), more.begin(), more.end());
+}
+
+template <typename Value>
+constexpr const char* typeName() {
+  if constexpr (std::is_same_v<Value, bool>) {
+    return "true or false";
+  } else if constexpr (std::is_same_v<Value, int>) {
+    return "a whole number";
+  } else if constexpr (std::is_same_v<Value, double>) {
+    return "a number";
+  } else {
+    return "a text";
+  }
+}
+
+template <typename Value>
+void requireRange(const std::string& name, Value value, const PrivateParameter& parameter) {
+  if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
+    if (!(value >= parameter.lowest && value <= parameter.highest)) {
+      std::ostringstream sentence;
+      sentence << name << " is " << value << "; it has to be in [" << parameter.lowest << ", "
+               << parameter.highest << "]";
+      throw Error(sentence.str());
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<PrivateParameter> stereoPrivateParameters() {
+  std::vector<PrivateParameter> table = {
+      {"forest", std::string(), 0, 0, "",
+       "File of the forest; without one the nodelet does not come up (the launch files give "
+       "models/middlebury.forest)"},
+      {"preset", std::string(), 0, 0, "",
+       "YAML file of parameters, see config/; private parameters win over it"},
+      {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
+      {"allow_different_frame_ids", false, 0, 0, "",
+       "Accept pairs whose images differ in frame_id; outputs have the left one's"}};
+  append(syncParameters(), table);
+  append(cloudParameters(), table);
+  table.push_back(
+      {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
+  return table;
+}
+
+std::vector<PrivateParameter> pointCloudPrivateParameters() {
+  std::vector<PrivateParameter> table = syncParameters();
+  append(cloudParameters(), table);
+  return table;
+}
+
+PrivateParameters::PrivateParameters(const ros::NodeHandle& private_nh,
+                                     std::vector<PrivateParameter> table)
+    : private_nh_(private_nh), table_(std::move(table)) {}
+
+template <typename Value>
+Value PrivateParameters::get(const std::string& name) const {
+  const PrivateParameter& parameter = find(name);
+  auto value = std::get<Value>(parameter.default_value);
+  const std::string resolved = private_nh_.resolveName(name);
+  if (private_nh_.hasParam(name) && !private_nh_.getParam(name, value)) {
+    throw Error(resolved + " has a value of the wrong type; it has to be " + typeName<Value>());
+  }
+  requireRange(resolved, value, parameter);
+  return value;
+}
+
+template bool PrivateParameters::get<bool>(const std::string&) const;
+template int PrivateParameters::get<int>(const std::string&) const;
+template double PrivateParameters::get<double>(const std::string&) const;
+template std::string PrivateParameters::get<std::string>(const std::string&) const;
+
+const PrivateParameter& PrivateParameters::find(const std::string& name) const {
+  const auto found = std::find_if(table_.begin(), table_.end(),
+                                  [&](const auto& parameter) { return parameter.name == name; });
+  if (found == table_.end()) {
+    throw std::logic_error("no private parameter is called " + name);
+  }
+  return *found;
+}
+
+}  // namespace cbmv

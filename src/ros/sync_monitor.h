@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <ros/time.h>
+
+namespace cbmv {
+
+/// Watches topics whose messages have to be paired by their stamps, and tells people why nothing
+/// comes of them. Callable from several threads. Needs no master.
+class SyncMonitor {
+ public:
+  /// `remedy` ends a report about stamps that do not fit.
+  SyncMonitor(std::size_t topics, std::string remedy);
+
+  /// Begins to wait for a set: what came before does not count.
+  void restart(ros::SteadyTime now);
+  void received(std::size_t topic, const ros::Time& stamp);
+  void synchronized(ros::SteadyTime now);
+
+  /// What is said about a topic besides its messages.
+  struct TopicState {
+    std::string name;  ///< resolved
+    bool has_publisher = false;
+  };
+
+  /// A report if no set has come for kFirstReportS, and from the first report on for kNextReportS
+  /// (slow cameras are not reported all the time); else empty. Says of each topic at what rate
+  /// messages come, whether anybody publishes it, and how far its stamps are from those of the
+  /// first topic.
+  std::string report(ros::SteadyTime now, const std::vector<TopicState>& states);
+
+  static constexpr double kFirstReportS = 4;
+  static constexpr double kNextReportS = 30;
+
+ private:
+  struct Topic {
+    std::uint64_t count = 0;
+    std::deque<ros::Time> stamps;  ///< the newest
+  };
+
+  void beginWindow(ros::SteadyTime now, double patience_s);
+  std::string describe(const std::vector<TopicState>& states, double elapsed_s) const;
+  std::string describeTopic(std::size_t index, const TopicState& state, double elapsed_s) const;
+  double typicalGapMs(std::size_t topic) const;
+  bool allArrive() const;
+
+  const std::string remedy_;
+  mutable std::mutex mutex_;
+  std::vector<Topic> topics_;
+  ros::SteadyTime window_start_;
+  double patience_s_ = kFirstReportS;
+};
+
+}  // namespace cbmv

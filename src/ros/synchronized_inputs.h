@@ -1,0 +1,202 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <boost/bind/bind.hpp>
+#include <image_transport/image_transport.h>
+#include <image_transport/subscriber_filter.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/sync_policies/approximate_time.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <stereo_msgs/DisparityImage.h>
+
+#include "ros/private_parameters.h"
+#include "ros/sync_monitor.h"
+
+namespace cbmv {
+
+/// How messages of several topics are paired.
+struct SyncOptions {
+  int queue_size = 5;
+  bool approximate = false;
+  double max_interval_s = 0;  ///< 0: no bound
+
+  static SyncOptions read(const PrivateParameters& parameters) {
+    return {parameters.get<int>("queue_size"), parameters.get<bool>("approximate_sync"),
+            parameters.get<double>("approximate_sync_max_interval_s")};
+  }
+};
+
+/// An input whose messages can be filtered: images come by an image transport.
+template <typename Message>
+class InputTopic : public message_filters::Subscriber<Message> {
+ public:
+  void open(ros::NodeHandle& nh, image_transport::ImageTransport&, const std::string& topic,
+            std::uint32_t queue_size, const image_transport::TransportHints&) {
+    this->subscribe(nh, topic, queue_size);
+  }
+  std::uint32_t publishers() const { return this->getSubscriber().getNumPublishers(); }
+};
+
+template <>
+class InputTopic<sensor_msgs::Image> : public image_transport::SubscriberFilter {
+ public:
+  void open(ros::NodeHandle&, image_transport::ImageTransport& transport, const std::string& topic,
+            std::uint32_t queue_size, const image_transport::TransportHints& hints) {
+    subscribe(transport, topic, queue_size, hints);
+  }
+  std::uint32_t publishers() const { return getNumPublishers(); }
+};
+
+/// Four input topics, whose messages are handed over in sets of equal (or close) stamps.
+template <typename M0, typename M1, typename M2, typename M3>
+class SynchronizedInputs {
+ public:
+  static constexpr std::size_t kTopics = 4;
+  using Topics = std::array<const char*, kTopics>;
+  using Callback =
+      std::function<void(const boost::shared_ptr<const M0>&, const boost::shared_ptr<const M1>&,
+                         const boost::shared_ptr<const M2>&, const boost::shared_ptr<const M3>&)>;
+
+  SynchronizedInputs(const ros::NodeHandle& nh, const PrivateParameters& parameters, Topics topics,
+                     Callback callback)
+      : nh_(nh),
+        transport_(nh),
+        hints_("raw", ros::TransportHints(), parameters.nodeHandle()),
+        topics_(topics),
+        options_(SyncOptions::read(parameters)),
+        callback_(std::move(callback)),
+        monitor_(kTopics, remedy()) {
+    // Before the synchronizer: a message is counted before the set that it completes.
+    watch(first_, 0);
+    watch(second_, 1);
+    watch(third_, 2);
+    watch(fourth_, 3);
+    if (options_.approximate) {
+      ApproximatePolicy policy(static_cast<std::uint32_t>(options_.queue_size));
+      if (options_.max_interval_s > 0) {
+        policy.setMaxIntervalDuration(ros::Duration(options_.max_interval_s));
+      }
+      approximate_ = makeSynchronizer(policy);
+    } else {
+      exact_ = makeSynchronizer(ExactPolicy(static_cast<std::uint32_t>(options_.queue_size)));
+    }
+  }
+
+  const SyncOptions& options() const { return options_; }
+  const image_transport::TransportHints& hints() const { return hints_; }
+  bool isSubscribed() const { return subscribed_; }
+
+  /// Throws image_transport::Exception if there is no such transport; then nothing is subscribed.
+  void subscribe() {
+    const auto queue = static_cast<std::uint32_t>(options_.queue_size);
+    first_.open(nh_, transport_, topics_[0], queue, hints_);
+    second_.open(nh_, transport_, topics_[1], queue, hints_);
+    third_.open(nh_, transport_, topics_[2], queue, hints_);
+    fourth_.open(nh_, transport_, topics_[3], queue, hints_);
+    monitor_.restart(ros::SteadyTime::now());
+    subscribed_ = true;
+  }
+
+  void unsubscribe() {
+    first_.unsubscribe();
+    second_.unsubscribe();
+    third_.unsubscribe();
+    fourth_.unsubscribe();
+    subscribed_ = false;
+  }
+
+  /// Types of the messages, such as sensor_msgs/Image.
+  static std::array<std::string, kTopics> types() {
+    namespace traits = ros::message_traits;
+    return {traits::datatype<M0>(), traits::datatype<M1>(), traits::datatype<M2>(),
+            traits::datatype<M3>()};
+  }
+
+  /// Resolved, in the order of the messages.
+  std::array<std::string, kTopics> topics() const {
+    std::array<std::string, kTopics> names;
+    for (std::size_t i = 0; i < kTopics; ++i) {
+      names[i] = nh_.resolveName(topics_[i]);
+    }
+    return names;
+  }
+
+  /// A report to people if messages are waited for and none are paired (SyncMonitor); else empty.
+  std::string reportSilence() {
+    if (!subscribed_) {
+      return {};
+    }
+    const auto names = topics();
+    return monitor_.report(ros::SteadyTime::now(), {{names[0], first_.publishers() > 0},
+                                                    {names[1], second_.publishers() > 0},
+                                                    {names[2], third_.publishers() > 0},
+                                                    {names[3], fourth_.publishers() > 0}});
+  }
+
+ private:
+  using ExactPolicy = message_filters::sync_policies::ExactTime<M0, M1, M2, M3>;
+  using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<M0, M1, M2, M3>;
+
+  template <typename Policy>
+  std::shared_ptr<message_filters::Synchronizer<Policy>> makeSynchronizer(const Policy& policy) {
+    auto synchronizer = std::make_shared<message_filters::Synchronizer<Policy>>(
+        policy, first_, second_, third_, fourth_);
+    synchronizer->registerCallback(boost::bind(&SynchronizedInputs::receive, this,
+                                               boost::placeholders::_1, boost::placeholders::_2,
+                                               boost::placeholders::_3, boost::placeholders::_4));
+    return synchronizer;
+  }
+
+  template <typename Message>
+  void watch(InputTopic<Message>& input, std::size_t index) {
+    input.registerCallback([this, index](const boost::shared_ptr<const Message>& message) {
+      monitor_.received(index, message->header.stamp);
+    });
+  }
+
+  void receive(const boost::shared_ptr<const M0>& first, const boost::shared_ptr<const M1>& second,
+               const boost::shared_ptr<const M2>& third,
+               const boost::shared_ptr<const M3>& fourth) {
+    monitor_.synchronized(ros::SteadyTime::now());
+    callback_(first, second, third, fourth);
+  }
+
+  std::string remedy() const {
+    if (!options_.approximate) {
+      return "their stamps have to be equal, or set the parameter approximate_sync";
+    }
+    std::ostringstream words;
+    words << "their stamps may be up to approximate_sync_max_interval_s = "
+          << options_.max_interval_s << " s apart (0: no bound)";
+    return words.str();
+  }
+
+  ros::NodeHandle nh_;
+  image_transport::ImageTransport transport_;
+  const image_transport::TransportHints hints_;
+  const Topics topics_;
+  const SyncOptions options_;
+  Callback callback_;
+  SyncMonitor monitor_;
+  std::atomic<bool> subscribed_{false};
+
+  InputTopic<M0> first_;
+  InputTopic<M1> second_;
+  InputTopic<M2> third_;
+  InputTopic<M3> fourth_;
+  std::shared_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
+  std::shared_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,238 @@
+// Run by configuration.test: nodelets with other private parameters than the launch files give
+// them.
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ros/cameras.h"
+#include "ros/collector.h"
+#include "ros/local_nodelet.h"
+#include "ros/log_reader.h"
+#include "ros/wait_for.h"
+
+namespace cbmv {
+namespace {
+
+const cv::Size kSize(125, 81);
+constexpr int kFarPx = 4;
+constexpr int kNearPx = 9;
+
+class StereoNodelet : public LocalNodelet {
+ public:
+  explicit StereoNodelet(const std::string& name_space)
+      : LocalNodelet(name_space, "cbmv_stereo/stereo") {
+    parameters().setParam("forest", CBMV_TEST_FOREST);
+    parameters().setParam("disparity_range", 16);
+  }
+};
+
+TEST(Startup, ForestIsRequired) {
+  const std::string damaged = CBMV_TEST_FOREST ".damaged";
+  std::ofstream(damaged) << "this is not a forest";
+  for (const std::string& path : {std::string(), std::string("/nonexistent/a.forest"), damaged}) {
+    StereoNodelet nodelet("forest_test");
+    nodelet.parameters().setParam("forest", path);
+    EXPECT_FALSE(nodelet.load()) << path;
+  }
+  StereoNodelet nodelet("forest_test");
+  EXPECT_TRUE(nodelet.load());
+}
+
+TEST(Startup, LoadsTheForestOfThePackage) {
+  StereoNodelet nodelet("package_forest_test");
+  nodelet.parameters().setParam("forest", CBMV_SOURCE_DIR "/models/middlebury.forest");
+  EXPECT_TRUE(nodelet.load());
+}
+
+TEST(Startup, NodeWithoutForestExitsWithAnError) {
+  const pid_t child = fork();
+  if (child == 0) {
+    execl(CBMV_STEREO_NODE, "cbmv_stereo_node", "__name:=no_forest",
+          "_forest:=/nonexistent/a.forest", nullptr);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+}
+
+TEST(Startup, PresetYieldsToExplicitParameters) {
+  const std::string preset = CBMV_TEST_FOREST ".yaml";
+  std::ofstream(preset) << "P1: 3\nsgm_iterations: 1\nsubpixel: false\n";
+  StereoNodelet nodelet("preset_test");
+  nodelet.parameters().setParam("preset", preset);
+  nodelet.parameters().setParam("sgm_iterations", 3);
+  ASSERT_TRUE(nodelet.load());
+  double p1 = 0;
+  int iterations = 0;
+  bool subpixel = true;
+  EXPECT_TRUE(nodelet.parameters().getParam("P1", p1));
+  EXPECT_TRUE(nodelet.parameters().getParam("sgm_iterations", iterations));
+  EXPECT_TRUE(nodelet.parameters().getParam("subpixel", subpixel));
+  EXPECT_EQ(p1, 3);
+  EXPECT_EQ(iterations, 3);
+  EXPECT_FALSE(subpixel);
+}
+
+TEST(Startup, RefusesBadPrivateParameters) {
+  for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1),
+                                    std::pair("approximate_sync_max_interval_s", -1),
+                                    std::pair("approximate_sync", 1),  // neither true nor false
+                                    std::pair("points_max_depth_m", -1)}) {
+    StereoNodelet nodelet("bad_parameter_test");
+    nodelet.parameters().setParam(name, value);
+    EXPECT_FALSE(nodelet.load()) << name;
+  }
+  StereoNodelet nodelet("bad_parameter_test");
+  nodelet.parameters().setParam("points_min_depth_m", 5);
+  nodelet.parameters().setParam("points_max_depth_m", 4.5);
+  EXPECT_FALSE(nodelet.load());
+}
+
+TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
+  LogReader log;
+  wait(0.3);  // until the subscription stands
+  StereoNodelet nodelet("stock_parameters_test");
+  nodelet.parameters().setParam("P1", 200.0);
+  nodelet.parameters().setParam("speckle_size", 100);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/P1 is 200", "[0, 60]"}));
+  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/speckle_size", "ignored"}));
+}
+
+/// Publishes a pair to the inputs of a namespace until a message comes back; null if none does.
+template <typename Message>
+std::shared_ptr<Message> outputOf(const std::string& name_space, const std::string& topic,
+                                  const std::function<void(PairMessages&)>& change,
+                                  double timeout_s = 10) {
+  ros::NodeHandle nh("/" + name_space);
+  Cameras cameras(nh);
+  Collector<Message> output;
+  output.subscribe(nh, topic);
+  const auto comes = [&] {
+    PairMessages messages = makeMessages(renderPair(kSize, kFarPx, kNearPx), {}, ros::Time::now());
+    change(messages);
+    cameras.publish(messages);
+    wait(0.1);
+    return output.count() > 0;
+  };
+  return waitFor(comes, timeout_s) ? std::make_shared<Message>(output.newest()) : nullptr;
+}
+
+void changeNothing(PairMessages&) {}
+
+bool disparityComes(const std::string& name_space,
+                    const std::function<void(PairMessages&)>& change = changeNothing,
+                    double timeout_s = 10) {
+  return outputOf<stereo_msgs::DisparityImage>(name_space, "disparity", change, timeout_s) !=
+         nullptr;
+}
+
+std::function<void(PairMessages&)> delayRight(double delay_s) {
+  return [delay_s](PairMessages& messages) {
+    messages.right_image->header.stamp += ros::Duration(delay_s);
+    messages.right_info->header.stamp += ros::Duration(delay_s);
+  };
+}
+
+TEST(Synchronisation, SaysWhyNothingComes) {
+  LogReader log;
+  StereoNodelet nodelet("sync_report_test");
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_FALSE(disparityComes("sync_report_test", delayRight(0.002), 5.5));
+  EXPECT_TRUE(log.waitForWarning({"no synchronised", "/sync_report_test/left/image_rect ", " Hz",
+                                  "/sync_report_test/right/image_rect ", "(stamps 2.0 ms",
+                                  "approximate_sync"}));
+}
+
+TEST(Synchronisation, ApproximateSyncPairsCloseStampsOnly) {
+  StereoNodelet nodelet("sync_test");
+  nodelet.parameters().setParam("approximate_sync", true);
+  nodelet.parameters().setParam("approximate_sync_max_interval_s", 0.01);
+  ASSERT_TRUE(nodelet.load());
+  // Frames are 0.1 s apart: the nearest right image is 50 ms away.
+  EXPECT_FALSE(disparityComes("sync_test", delayRight(0.05), 1.5));
+  EXPECT_TRUE(disparityComes("sync_test", delayRight(0.002)));
+}
+
+TEST(Synchronisation, ZeroIsNoBound) {
+  StereoNodelet nodelet("unbounded_sync_test");
+  nodelet.parameters().setParam("approximate_sync", true);
+  nodelet.parameters().setParam("approximate_sync_max_interval_s", 0);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(disparityComes("unbounded_sync_test", delayRight(0.05)));
+}
+
+TEST(FrameIds, MayDifferIfAllowed) {
+  StereoNodelet nodelet("frame_id_test");
+  nodelet.parameters().setParam("allow_different_frame_ids", true);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(disparityComes("frame_id_test", [](PairMessages& messages) {
+    messages.right_image->header.frame_id = "right_camera";
+  }));
+}
+
+TEST(Topics, CanBeRemapped) {
+  StereoNodelet nodelet("remap_test");
+  ASSERT_TRUE(nodelet.load({{"/remap_test/disparity", "/remap_test/renamed"},
+                            {"/remap_test/left/image_rect", "/elsewhere/left/image_rect"},
+                            {"/remap_test/left/camera_info", "/elsewhere/left/camera_info"},
+                            {"/remap_test/right/image_rect", "/elsewhere/right/image_rect"},
+                            {"/remap_test/right/camera_info", "/elsewhere/right/camera_info"}}));
+  EXPECT_TRUE(
+      outputOf<stereo_msgs::DisparityImage>("elsewhere", "/remap_test/renamed", changeNothing));
+}
+
+TEST(Topics, ImageTransportIsTheParameters) {
+  LogReader log;
+  StereoNodelet nodelet("transport_test");
+  nodelet.parameters().setParam("image_transport", "no_such_transport");
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_FALSE(disparityComes("transport_test", changeNothing, 0.5));
+  EXPECT_TRUE(log.waitForWarning({"image_transport", "'no_such_transport'"}));
+}
+
+TEST(Points, LayoutIsTheParameters) {
+  StereoNodelet nodelet("cloud_test");
+  nodelet.parameters().setParam("points_compact", true);
+  nodelet.parameters().setParam("points_confidence", true);
+  nodelet.parameters().setParam("points_max_depth_m", 5);  // f T = 30: disparities from 6 px on
+  ASSERT_TRUE(nodelet.load());
+  const auto cloud = outputOf<sensor_msgs::PointCloud2>("cloud_test", "points2", changeNothing);
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->point_step, 20U);
+  ASSERT_EQ(cloud->fields.size(), 5U);
+  EXPECT_EQ(cloud->fields[4].name, "confidence");
+  const auto depthAt = [&](std::size_t x, std::size_t y) {
+    float z = 0;
+    std::memcpy(&z, &cloud->data[y * cloud->row_step + x * cloud->point_step + 8], sizeof(z));
+    return z;
+  };
+  EXPECT_NEAR(depthAt(62, 40), 30.0 / kNearPx, 0.2);
+  EXPECT_TRUE(std::isnan(depthAt(62, 8)));
+}
+
+TEST(Shutdown, UnloadsWhileAFrameIsInWork) {
+  for (int round = 0; round < 5; ++round) {
+    StereoNodelet nodelet("unload_test");
+    nodelet.parameters().setParam("disparity_range", 64);
+    ASSERT_TRUE(nodelet.load());
+    ASSERT_TRUE(disparityComes("unload_test"));
+    EXPECT_TRUE(nodelet.unload());
+  }
+}
+
+}  // namespace
+}  // namespace cbmv
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "configuration_rostest");
+  const ros::NodeHandle keeps_ros_alive;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,136 @@
+// Run by replacement.test: stereo_image_proc_replacement.launch on raw images.
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "ros/collector.h"
+#include "ros/stereo_pair.h"
+#include "ros/wait_for.h"
+
+namespace cbmv {
+namespace {
+
+const cv::Size kSize(124, 82);
+constexpr int kFarPx = 4;
+constexpr int kNearPx = 10;
+constexpr int kRowsDown = 8;  // rectification moves the images by that
+
+float medianOf(const cv::Mat& values) {
+  std::vector<float> sorted;
+  values.clone().reshape(1, 1).copyTo(sorted);
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  return sorted[sorted.size() / 2];
+}
+
+/// Both cameras before rectification, in the namespaces that the launch file was given.
+class RawCameras {
+ public:
+  explicit RawCameras(const std::string& name_space) : nh_(name_space) {
+    left_image_ = nh_.advertise<sensor_msgs::Image>("port/image_raw", 5);
+    left_info_ = nh_.advertise<sensor_msgs::CameraInfo>("port/camera_info", 5);
+    right_image_ = nh_.advertise<sensor_msgs::Image>("starboard/image_raw", 5);
+    right_info_ = nh_.advertise<sensor_msgs::CameraInfo>("starboard/camera_info", 5);
+  }
+
+  /// Raw images are of a Bayer sensor on which everything is rather red.
+  void publish(const StereoPair& pair, ros::Time stamp) {
+    const PairMessages messages = makeMessages(pair, {}, stamp);
+    for (const auto& image : {messages.left_image, messages.right_image}) {
+      image->encoding = "bayer_rggb8";
+      for (std::uint32_t y = 0; y < image->height; ++y) {
+        for (std::uint32_t x = 0; x < image->width; ++x) {
+          if (x % 2 == 1 || y % 2 == 1) {
+            image->data[y * image->step + x] /= 2;
+          }
+        }
+      }
+    }
+    for (const auto& info : {messages.left_info, messages.right_info}) {
+      info->distortion_model = "plumb_bob";
+      info->D = {1e-6, 0, 0, 0, 0};  // without distortion, image_proc leaves images as they are
+      info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      info->K = {info->P[0], 0, info->P[2], 0, info->P[5], info->P[6] - kRowsDown, 0, 0, 1};
+    }
+    left_info_.publish(messages.left_info);
+    right_info_.publish(messages.right_info);
+    left_image_.publish(messages.left_image);
+    right_image_.publish(messages.right_image);
+  }
+
+ private:
+  ros::NodeHandle nh_;
+  ros::Publisher left_image_;
+  ros::Publisher left_info_;
+  ros::Publisher right_image_;
+  ros::Publisher right_info_;
+};
+
+TEST(Replacement, MakesTheStockTopicsOfRawImages) {
+  ros::NodeHandle nh("/robot");
+  RawCameras cameras("/robot");
+  Collector<stereo_msgs::DisparityImage> disparity;
+  Collector<sensor_msgs::PointCloud2> points;
+  disparity.subscribe(nh, "disparity");
+  points.subscribe(nh, "points2");
+  const StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
+  ASSERT_TRUE(waitFor(
+      [&] {
+        cameras.publish(pair, ros::Time::now());
+        wait(0.2);
+        return disparity.count() > 1 && points.count() > 1;
+      },
+      30));
+
+  const stereo_msgs::DisparityImage& message = disparity.newest();
+  EXPECT_EQ(message.header.frame_id, "left_camera");
+  const cv::Mat values(kSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
+  const int top = kSize.height / 3;  // of the near rectangle, as the raw images have it
+  const cv::Range middle(kSize.width / 3 + 5, 2 * kSize.width / 3 - 5);
+  EXPECT_NEAR(medianOf(values({top + 1, top + kRowsDown - 1}, middle)), kFarPx, 0.5);
+  EXPECT_NEAR(medianOf(values({2 * top + 1, 2 * top + kRowsDown - 1}, middle)), kNearPx, 0.5);
+
+  const sensor_msgs::PointCloud2& cloud = points.newest();
+  EXPECT_EQ(cloud.header.frame_id, "left_camera");
+  const std::uint8_t* point =
+      &cloud.data[static_cast<std::size_t>(3 * top / 2) * cloud.row_step + 62 * cloud.point_step];
+  float z = 0;
+  std::memcpy(&z, point + 8, sizeof(z));
+  EXPECT_NEAR(z, 120 * 0.25 / kNearPx, 0.3);
+  EXPECT_GT(point[18], point[16] + 10) << "the cloud is not red";
+}
+
+TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
+  const auto hasTopic = [](const std::string& name, const std::string& type) {
+    return waitFor([&] {
+      ros::master::V_TopicInfo topics;
+      ros::master::getTopics(topics);
+      return std::any_of(topics.begin(), topics.end(), [&](const ros::master::TopicInfo& topic) {
+        return topic.name == name && topic.datatype == type;
+      });
+    });
+  };
+  EXPECT_TRUE(hasTopic("/robot/disparity", "stereo_msgs/DisparityImage"));
+  EXPECT_TRUE(hasTopic("/robot/points2", "sensor_msgs/PointCloud2"));
+  for (const std::string camera : {"port", "starboard"}) {
+    for (const char* image : {"image_mono", "image_color", "image_rect", "image_rect_color"}) {
+      EXPECT_TRUE(hasTopic("/robot/" + camera + "/" + image, "sensor_msgs/Image")) << image;
+    }
+  }
+  EXPECT_TRUE(ros::service::exists("/robot/disparity/set_parameters", true));
+  bool approximate = false;
+  EXPECT_TRUE(ros::param::get("/robot/disparity/approximate_sync", approximate));
+  EXPECT_TRUE(approximate);
+}
+
+}  // namespace
+}  // namespace cbmv
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "replacement_rostest");
+  const ros::NodeHandle keeps_ros_alive;
+  return RUN_ALL_TESTS();
+}

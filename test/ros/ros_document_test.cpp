@@ -1,0 +1,244 @@
+// docs/ros.md says what the code does, and names tests that there are.
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "ros/nodelet_inputs.h"
+#include "ros/output_publishers.h"
+#include "ros/parameter_server.h"
+#include "ros/private_parameters.h"
+
+namespace cbmv {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string readFile(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// The part of docs/ros.md below a heading, up to the next one.
+std::string section(const std::string& heading) {
+  const std::string document = readFile(CBMV_SOURCE_DIR "/docs/ros.md");
+  const std::size_t start = document.find("\n## " + heading + "\n");
+  if (start == std::string::npos) {
+    ADD_FAILURE() << "docs/ros.md has no heading " << heading;
+    return {};
+  }
+  const std::size_t end = document.find("\n#", start + 1);
+  return document.substr(start, end - start);
+}
+
+/// The rows of the tables in a section whose first cell is a name.
+std::multiset<std::string> rows(const std::string& heading) {
+  std::multiset<std::string> found;
+  std::istringstream lines(section(heading));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| `", 0) == 0) {
+      found.insert(line);
+    }
+  }
+  return found;
+}
+
+void expectRows(const std::string& heading, const std::vector<std::string>& wanted) {
+  const std::multiset<std::string> expected(wanted.begin(), wanted.end());
+  EXPECT_EQ(rows(heading), expected) << "below the heading " << heading;
+}
+
+std::string join(const std::vector<std::string>& cells) {
+  std::string row = "|";
+  for (const std::string& cell : cells) {
+    row += (cell.empty() ? "" : " " + cell) + " |";
+  }
+  return row;
+}
+
+std::string text(const PrivateValue& value) {
+  std::ostringstream out;
+  out << std::boolalpha;
+  std::visit([&](const auto& v) { out << v; }, value);
+  return out.str().empty() ? "none" : out.str();
+}
+
+bool isNumber(const PrivateValue& value) {
+  return std::holds_alternative<int>(value) || std::holds_alternative<double>(value);
+}
+
+std::string rangeText(double lowest, double highest) {
+  std::ostringstream out;
+  out << lowest << " to " << static_cast<std::int64_t>(highest);
+  return out.str();
+}
+
+std::vector<std::string> parameterRows(const std::vector<PrivateParameter>& parameters) {
+  std::vector<std::string> wanted;
+  for (const PrivateParameter& parameter : parameters) {
+    const bool number = isNumber(parameter.default_value);
+    wanted.push_back(join({"`" + parameter.name + "`", text(parameter.default_value),
+                           number ? rangeText(parameter.lowest, parameter.highest) : "",
+                           parameter.unit, parameter.description}));
+  }
+  return wanted;
+}
+
+/// Names and types, each as the first two cells of a row.
+template <typename Inputs>
+void expectInputs(const std::string& heading, const typename Inputs::Topics& topics) {
+  const auto types = Inputs::types();
+  const std::string text = section(heading);
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    const std::string row = std::string("| `") + topics[i] + "` | " + types[i] + " |";
+    EXPECT_NE(text.find(row), std::string::npos) << row << " is missing below " << heading;
+  }
+}
+
+TEST(RosDocument, HasTheInputs) {
+  expectInputs<StereoInputs>("Inputs of cbmv_stereo/stereo", kStereoInputTopics);
+  EXPECT_EQ(rows("Inputs of cbmv_stereo/stereo").size(), kStereoInputTopics.size() + 1);
+  EXPECT_NE(section("Inputs of cbmv_stereo/stereo")
+                .find(std::string("| `") + kColorTopic + "` | sensor_msgs/Image |"),
+            std::string::npos);
+  expectInputs<CloudInputs>("Inputs of cbmv_stereo/point_cloud2", kCloudInputTopics);
+  EXPECT_EQ(rows("Inputs of cbmv_stereo/point_cloud2").size(), kCloudInputTopics.size());
+}
+
+TEST(RosDocument, HasTheOutputs) {
+  std::vector<std::string> wanted;
+  for (const Output& output : stereoOutputs({})) {
+    wanted.push_back(join({"`" + output.topic + "`", output.type, output.description}));
+  }
+  expectRows("Outputs of cbmv_stereo/stereo", wanted);
+}
+
+TEST(RosDocument, HasThePrivateParameters) {
+  expectRows("Private parameters of cbmv_stereo/stereo", parameterRows(stereoPrivateParameters()));
+  expectRows("Private parameters of cbmv_stereo/point_cloud2",
+             parameterRows(pointCloudPrivateParameters()));
+}
+
+TEST(RosDocument, HasTheParameterThatIsNoneOfTheMethod) {
+  using cbmv_stereo::StereoConfig;
+  for (const auto& description : StereoConfig::__getParamDescriptions__()) {
+    if (description->name == "min_confidence") {
+      std::ostringstream value;
+      value << StereoConfig::__getDefault__().min_confidence;
+      expectRows("Parameters at run time",
+                 {join({"`min_confidence`", value.str(),
+                        rangeText(StereoConfig::__getMin__().min_confidence,
+                                  StereoConfig::__getMax__().min_confidence),
+                        "", description->description})});
+    }
+  }
+}
+
+/// Every private parameter can be given to the launch file, with the same default.
+TEST(RosDocument, LaunchFileHasThePrivateParameters) {
+  const std::string launch = readFile(CBMV_SOURCE_DIR "/launch/stereo.launch");
+  for (const PrivateParameter& parameter : stereoPrivateParameters()) {
+    const std::regex argument("<arg name=\"" + parameter.name + "\" default=\"([^\"]*)\"/>");
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(launch, found, argument)) << parameter.name;
+    EXPECT_NE(launch.find("<param name=\"" + parameter.name + "\""), std::string::npos)
+        << parameter.name;
+    if (isNumber(parameter.default_value)) {
+      std::visit(
+          [&](const auto& value) {
+            if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) {
+              EXPECT_EQ(std::stod(found[1]), static_cast<double>(value)) << parameter.name;
+            }
+          },
+          parameter.default_value);
+    } else if (std::holds_alternative<bool>(parameter.default_value)) {
+      EXPECT_EQ(found[1], text(parameter.default_value)) << parameter.name;
+    }
+  }
+}
+
+/// The replacement passes on what stereo.launch takes; what it takes itself is in the table.
+TEST(RosDocument, HasTheArgumentsOfTheReplacement) {
+  const std::string launch =
+      readFile(CBMV_SOURCE_DIR "/launch/stereo_image_proc_replacement.launch");
+  const std::string documented = section("Launch files");
+  const std::regex argument("\\n  <arg name=\"([a-z_]+)\"");
+  for (std::sregex_iterator found(launch.begin(), launch.end(), argument), end; found != end;
+       ++found) {
+    EXPECT_NE(documented.find("`" + (*found)[1].str() + "`"), std::string::npos)
+        << (*found)[1] << " is not documented";
+  }
+}
+
+/// The arguments that a launch file lets its caller give: those without a value of their own.
+std::set<std::string> argumentsOf(const std::string& launch) {
+  const std::regex argument("\\n  <arg name=\"([a-z_]+)\"( default=\"[^\"]*\")? */>");
+  std::set<std::string> names;
+  for (std::sregex_iterator found(launch.begin(), launch.end(), argument), end; found != end;
+       ++found) {
+    names.insert((*found)[1]);
+  }
+  return names;
+}
+
+TEST(Replacement, TakesTheArgumentsOfTheStockLaunchFile) {
+  const fs::path stock = CBMV_STOCK_LAUNCH_FILE;
+  if (!fs::exists(stock)) {
+    GTEST_SKIP() << "stereo_image_proc is not installed";
+  }
+  const auto ours =
+      argumentsOf(readFile(CBMV_SOURCE_DIR "/launch/stereo_image_proc_replacement.launch"));
+  const auto theirs = argumentsOf(readFile(stock));
+  EXPECT_EQ(theirs.count("manager"), 1U);
+  EXPECT_GE(theirs.size(), 5U);
+  for (const std::string& name : theirs) {
+    EXPECT_EQ(ours.count(name), 1U) << name;
+  }
+}
+
+/// Test programs' names of all tests of this folder, as Suite.Name.
+std::set<std::string> allTests() {
+  std::set<std::string> names;
+  const std::regex definition("\\nTEST(?:_F)?\\((\\w+),\\s*(\\w+)\\)");
+  for (const auto& file : fs::directory_iterator(CBMV_SOURCE_DIR "/test/ros")) {
+    const std::string source = readFile(file.path());
+    for (std::sregex_iterator found(source.begin(), source.end(), definition), end; found != end;
+         ++found) {
+      names.insert((*found)[1].str() + "." + (*found)[2].str());
+    }
+  }
+  return names;
+}
+
+TEST(RosDocument, NamesTestsThatThereAre) {
+  const std::set<std::string> tests = allTests();
+  for (const char* heading :
+       {"The same as stereo_image_proc", "Where stereo_image_proc is wrong"}) {
+    int named = 0;
+    std::istringstream lines(section(heading));
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind("| ", 0) != 0 || line.find("| proved by |") != std::string::npos) {
+        continue;
+      }
+      const std::regex name("`([A-Z]\\w+\\.[A-Z]\\w+)`");
+      const std::size_t cell = line.rfind("| ", line.size() - 2);
+      const std::string proof = line.substr(cell);
+      std::sregex_iterator found(proof.begin(), proof.end(), name);
+      EXPECT_NE(found, std::sregex_iterator()) << "no test is named in: " << line;
+      for (; found != std::sregex_iterator(); ++found, ++named) {
+        EXPECT_EQ(tests.count((*found)[1]), 1U) << (*found)[1] << " is no test";
+      }
+    }
+    EXPECT_GT(named, 5) << heading;
+  }
+}
+
+}  // namespace
+}  // namespace cbmv

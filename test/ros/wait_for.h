@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+namespace cbmv {
+
+/// Calls back until `done` or until the time is over; returns whether it is done.
+inline bool waitFor(const std::function<bool()>& done, double timeout_s = 10) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  while (ros::ok() && !done() && ros::WallTime::now() < end) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
+  }
+  return done();
+}
+
+inline void wait(double time_s) {
+  waitFor([] { return false; }, time_s);
+}
+
+}  // namespace cbmv
