@@ -543,8 +543,8 @@ TEST_F(StereoTopics, FramesThatNeedTooMuchMemoryAreDropped) {
   StereoOptions options = testOptions();
   options.max_memory_mb = 1;
   client_.setOptions(options);
-  client_.publish(makeGoodMessages());
-  EXPECT_TRUE(client_.waitForWarning(
+  client_.cameras.publish(makeGoodMessages());
+  EXPECT_TRUE(client_.log.waitForWarning(
       {"/stereo/left/image_rect", "125x81 pixels", "max_memory_mb allows 1", "frame dropped"}));
   options_ = client_.setOptions(testOptions());
   expectAlive();
