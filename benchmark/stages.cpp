@@ -5,14 +5,18 @@
 #include <numeric>
 #include <utility>
 
+#include <opencv2/imgproc.hpp>
+
 #include "cbmv_stereo/confidence/features.h"
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/matching/matcher_set.h"
 #include "cbmv_stereo/matching/padded_image.h"
+#include "cbmv_stereo/optimization/coarse_volume.h"
 #include "cbmv_stereo/optimization/cross_based_aggregation.h"
 #include "cbmv_stereo/optimization/grey_deviation.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/support_arms.h"
+#include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/optimization/winner_takes_all.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/refinement/bilateral_filter.h"
@@ -46,11 +50,11 @@ struct StageData {
   ZeroMeanSadMatcher zero_mean_sad;
   SobelSadMatcher sobel_sad;
   VolumeBuilder builder;
-  MatchingVolume volume, right_volume;
+  MatchingVolume volume, right_volume, half_volume;
   SupportArms arms;
   EdgeImages edges;
   OptimizedVolume optimized, output;
-  cv::Mat winners, right_winners, labels, disparity;
+  cv::Mat winners, right_winners, labels, disparity, coarse_disparity;
   cv::Mat map;  ///< output of the stages that make one
   VerticalOffset offset;
 
@@ -59,6 +63,7 @@ struct StageData {
   PerThread<RowAcross> across_rows;
   SemiGlobalMatcher sgm;
   CostAggregator aggregator;
+  SurfacePrior surface_prior;
   cv::Mat padded;
 
   // Of the row in the middle.
@@ -185,6 +190,8 @@ void StageData::refine() {
                  labels);
   disparity = winners.clone();
   refineSubpixel(optimized, View::kLeft, range, disparity);
+  cv::resize(disparity, coarse_disparity, disparity.size() / 2, 0, 0, cv::INTER_NEAREST);
+  coarse_disparity *= 0.5;
 }
 
 std::shared_ptr<StageData> makeStageData(const Problem& problem) {
@@ -245,7 +252,16 @@ std::vector<Stage> volumeStages() {
 }
 
 std::vector<Stage> optimizationStages() {
-  return {{"support_arms", Unit::kPixels, 5, 0,
+  return {{"halve_volume", Unit::kHypotheses, 1.125, 0,
+           [](StageData& s) { halveVolume(s.volume, s.range, s.half_volume); },
+           [](const StageData& s, Checksum& sum) { sum.add(s.half_volume); }},
+          {"surface_prior", Unit::kPixels, 2.75, 0,
+           [](StageData& s) {
+             s.surface_prior.estimate(s.coarse_disparity, halveRange(s.range).invalid(),
+                                      s.options.surface.reach_px, s.pair.left.size(), s.map);
+           },
+           addMap},
+          {"support_arms", Unit::kPixels, 5, 0,
            [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
           {"sgm_first", Unit::kHypotheses, 8, 80,
            [](StageData& s) {
