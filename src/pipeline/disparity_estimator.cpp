@@ -29,7 +29,7 @@ namespace cbmv {
 namespace {
 
 /// Of a pair that is matched at half the size first; at less, surfaces are a few pixels large.
-constexpr int kSmallestSidePx = 256;
+constexpr int kSmallestSidePx = 128;
 
 void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
   costs.resize(volume.height(), volume.width(), volume.disparities());

@@ -152,7 +152,7 @@ TEST_P(Allocations, AreNoneFromTheSecondFrameOn) {
 
 /// Large enough for the surfaces to be found at half the size first.
 TEST(SurfaceAllocations, AreNoneFromTheSecondFrameOn) {
-  const auto pairs = makePairs({1100, 256});
+  const auto pairs = makePairs({1100, 128});
   const auto matcher = makeMatcher(allSetups().front());
   ASSERT_TRUE(findsSurfaces(pairs[0].left.size(), matcher->options()));
   StereoResult result;

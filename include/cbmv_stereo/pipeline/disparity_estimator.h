@@ -11,7 +11,7 @@
 namespace cbmv {
 
 /// Whether a pair of that size is matched at half the size first, to find its surfaces: if switched
-/// on, where semi-global matching runs and the shorter side has 256 px at least.
+/// on, where semi-global matching runs and the shorter side has 128 px at least.
 bool findsSurfaces(const cv::Size& image_size, const StereoOptions& options);
 
 /// Everything after the matching volume: optimization of both views, winner takes all, refinement
