@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -77,6 +78,14 @@ void alignRow(const cv::Mat& right, int y, const VerticalOffset& model, const Cu
 }
 
 }  // namespace
+
+bool RectificationOptions::operator==(const RectificationOptions& other) const {
+  const auto fields = [](const RectificationOptions& o) {
+    return std::tie(o.enabled, o.max_offset_px, o.max_features, o.min_matches, o.min_correction_px,
+                    o.interval_s, o.smoothing);
+  };
+  return fields(*this) == fields(other);
+}
 
 double VerticalOffset::at(double x, double y, cv::Size size) const {
   return offset_px + slope_x * (x - 0.5 * (size.width - 1)) +

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -215,6 +216,76 @@ TEST(Points, LayoutIsTheParameters) {
   };
   EXPECT_NEAR(depthAt(62, 40), 30.0 / kNearPx, 0.2);
   EXPECT_TRUE(std::isnan(depthAt(62, 8)));
+}
+
+/// The newest diagnostics of a nodelet in a namespace.
+class DiagnosticsReader {
+ public:
+  explicit DiagnosticsReader(const std::string& name_space) : prefix_(name_space + "/nodelet: ") {
+    subscriber_ = nh_.subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+          for (const auto& status : array->status) {
+            newest_[status.name] = status;
+          }
+        });
+  }
+
+  bool waitFor(
+      const std::string& name, int level, const std::string& words,
+      const std::function<void()>& meanwhile = [] {}) {
+    return cbmv::waitFor([&] {
+      meanwhile();
+      wait(0.1);
+      const auto found = newest_.find(prefix_ + name);
+      return found != newest_.end() && found->second.level == level &&
+             found->second.message.find(words) != std::string::npos;
+    });
+  }
+
+ private:
+  std::string prefix_;
+  ros::NodeHandle nh_;
+  ros::Subscriber subscriber_;
+  std::map<std::string, diagnostic_msgs::DiagnosticStatus> newest_;
+};
+
+TEST(Diagnostics, FollowTheStream) {
+  using diagnostic_msgs::DiagnosticStatus;
+  DiagnosticsReader reader("diagnostics_test");
+  StereoNodelet nodelet("diagnostics_test");
+  nodelet.parameters().setParam("warn_silence_s", 1.0);
+  nodelet.parameters().setParam("warn_vertical_offset_px", 0.5);
+  nodelet.parameters().setParam("rectification_interval", 0.0);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::OK, "idle"));
+
+  ros::NodeHandle nh("/diagnostics_test");
+  Cameras cameras(nh);
+  Collector<stereo_msgs::DisparityImage> output;
+  output.subscribe(nh, "disparity");
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::ERROR, "no pair of images for"));
+
+  StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
+  const auto publish = [&] { cameras.publish(makeMessages(pair, {}, ros::Time::now())); };
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::OK, "pairs of images at", publish));
+  EXPECT_TRUE(reader.waitFor("Output", DiagnosticStatus::OK, "results at", publish));
+  EXPECT_TRUE(reader.waitFor("Calibration", DiagnosticStatus::OK, "baseline 0.2500 m", publish));
+  EXPECT_TRUE(reader.waitFor("Method", DiagnosticStatus::OK, "ms a frame", publish));
+  EXPECT_TRUE(reader.waitFor("Rectification", DiagnosticStatus::OK, "equal heights", publish));
+
+  LogReader log;
+  const cv::Mat one_row_down = (cv::Mat_<double>(2, 3) << 1, 0, 0, 0, 1, 1);
+  cv::warpAffine(pair.right.clone(), pair.right, one_row_down, kSize, cv::INTER_NEAREST,
+                 cv::BORDER_REPLICATE);
+  EXPECT_TRUE(reader.waitFor("Rectification", DiagnosticStatus::WARN, "px apart", publish));
+  EXPECT_TRUE(log.waitForWarning({"px apart", "warn_vertical_offset_px = 0.50"}));
+
+  EXPECT_TRUE(reader.waitFor("Calibration", DiagnosticStatus::ERROR, "P[3]", [&] {
+    PairMessages swapped = makeMessages(pair, {}, ros::Time::now());
+    swapped.right_info->P[3] = -swapped.right_info->P[3];
+    cameras.publish(swapped);
+  }));
+  EXPECT_TRUE(reader.waitFor("Output", DiagnosticStatus::WARN, "dropped lately"));
 }
 
 TEST(Shutdown, UnloadsWhileAFrameIsInWork) {

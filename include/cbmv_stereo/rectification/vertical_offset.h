@@ -16,6 +16,9 @@ struct RectificationOptions {
   double min_correction_px = 0.1;
   double interval_s = 1.0;  ///< RectificationTracker: time from one estimate to the next
   double smoothing = 0.5;   ///< RectificationTracker: share of the old model, 0 to below 1
+
+  bool operator==(const RectificationOptions& other) const;
+  bool operator!=(const RectificationOptions& other) const { return !(*this == other); }
 };
 
 /// The vertical misalignment that is left in a rectified pair, as a linear model
