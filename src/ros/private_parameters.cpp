@@ -78,7 +78,9 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
        "File of the forest; without one the nodelet does not come up (the launch files give "
        "models/middlebury.forest)"},
       {"preset", std::string(), 0, 0, "",
-       "YAML file of parameters, see config/; private parameters win over it"},
+       "Name of a file in config/ without its ending, or path of a YAML file; private parameters "
+       "win "
+       "over it"},
       {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
       {"allow_different_frame_ids", false, 0, 0, "",
        "Accept pairs whose images differ in frame_id; outputs have the left one's"}};

@@ -78,11 +78,11 @@ void StereoNodelet::initialize() {
 
 StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
   StereoOptions options;
-  const auto preset = parameters.get<std::string>("preset");
-  if (!preset.empty()) {
-    readPreset(preset, options);
+  preset_ = parameters.get<std::string>("preset");
+  applyPreset(preset_, options);
+  if (!presetPath(preset_).empty()) {
     for (const std::string& difference : offerParameters(options, getPrivateNodeHandle())) {
-      NODELET_INFO_STREAM(difference << " of the preset " << preset);
+      NODELET_INFO_STREAM(difference << " of the preset " << preset_);
     }
   }
   options.threads = parameters.get<int>("threads");
@@ -178,21 +178,32 @@ void StereoNodelet::reportSilence() {
 }
 
 void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
-  StereoOptions wanted = options_;
   try {
-    applyConfig(config, wanted);
+    StereoOptions wanted = optionsOf(config);
     min_confidence_ = minConfidence(config);
     for (const std::string& correction : correctOptions(wanted)) {
       NODELET_WARN_STREAM(correction);
     }
     options_ = wanted;
+    preset_ = presetOf(config.preset, options_);
   } catch (const Error& error) {
     NODELET_WARN_STREAM(error.what() << "; all parameters keep their values");
     config.min_confidence = min_confidence_;
   }
+  config.preset = preset_;
   writeConfig(options_, config);
   processor_->setOptions(options_);
   processor_->setMinConfidence(min_confidence_);
+}
+
+/// A preset that is chosen anew sets its values; one that was there already yields to the others.
+StereoOptions StereoNodelet::optionsOf(const cbmv_stereo::StereoConfig& config) const {
+  StereoOptions options = options_;
+  applyConfig(config, options);
+  if (config.preset != preset_) {
+    applyPreset(config.preset, options);
+  }
+  return options;
 }
 
 void StereoNodelet::receive(const StereoMessages& frame) {

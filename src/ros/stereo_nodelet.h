@@ -52,6 +52,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void reportSilence();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
+  StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 
   // In the worker's thread
@@ -85,6 +86,7 @@ class StereoNodelet : public nodelet::Nodelet {
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;
+  std::string preset_;  ///< that options_ are of, or kNoPreset
   float min_confidence_ = 0;
   std::unique_ptr<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>> config_server_;
 

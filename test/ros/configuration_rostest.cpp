@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,7 +15,10 @@
 #include "ros/collector.h"
 #include "ros/local_nodelet.h"
 #include "ros/log_reader.h"
+#include "ros/parameter_server.h"
 #include "ros/wait_for.h"
+
+#include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {
 namespace {
@@ -78,6 +82,91 @@ TEST(Startup, PresetYieldsToExplicitParameters) {
   EXPECT_EQ(p1, 3);
   EXPECT_EQ(iterations, 3);
   EXPECT_FALSE(subpixel);
+}
+
+/// What one call of set_parameters, of the values in `request`, leaves.
+cbmv_stereo::StereoConfig reconfigured(StereoNodelet& nodelet,
+                                       const dynamic_reconfigure::Config& request) {
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config = request;
+  EXPECT_TRUE(ros::service::call(nodelet.parameters().resolveName("set_parameters"), call));
+  auto config = cbmv_stereo::StereoConfig::__getDefault__();
+  config.__fromMessage__(call.response.config);
+  return config;
+}
+
+dynamic_reconfigure::Config presetRequest(const std::string& preset) {
+  dynamic_reconfigure::Config request;
+  request.strs.resize(1);
+  request.strs[0].name = "preset";
+  request.strs[0].value = preset;
+  return request;
+}
+
+/// All parameters of the method.
+std::string optionsText(const cbmv_stereo::StereoConfig& config) {
+  StereoOptions options;
+  applyConfig(config, options);
+  return describeOptions(options);
+}
+
+std::string expectedText(const std::string& preset) {
+  StereoOptions options;
+  options.range.count = 16;  // as StereoNodelet sets it
+  readPreset(CBMV_SOURCE_DIR "/config/" + preset + ".yaml", options);
+  return describeOptions(options);
+}
+
+TEST(Presets, AreTakenAtRunTime) {
+  StereoNodelet nodelet("live_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  for (const char* name : {"quality", "realtime"}) {
+    const auto config = reconfigured(nodelet, presetRequest(name));
+    EXPECT_EQ(config.preset, name);
+    EXPECT_EQ(optionsText(config), expectedText(name));
+  }
+  dynamic_reconfigure::Config other;
+  other.doubles.resize(1);
+  other.doubles[0].name = "P1";
+  other.doubles[0].value = 0.75;
+  const auto custom = reconfigured(nodelet, other);
+  EXPECT_EQ(custom.preset, "custom");
+  EXPECT_EQ(custom.P1, 0.75);
+  EXPECT_EQ(custom.sgm_iterations, 1);  // still of realtime
+  EXPECT_EQ(optionsText(reconfigured(nodelet, presetRequest("realtime"))),
+            expectedText("realtime"));
+}
+
+TEST(Presets, UnknownOnesChangeNothing) {
+  LogReader log;
+  StereoNodelet nodelet("unknown_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  const auto before = reconfigured(nodelet, presetRequest("balanced"));
+  const auto after = reconfigured(nodelet, presetRequest("no_such_preset"));
+  EXPECT_EQ(after.preset, "balanced");
+  EXPECT_EQ(optionsText(after), optionsText(before));
+  EXPECT_TRUE(log.waitForWarning({"config/no_such_preset.yaml", "keep their values"}));
+}
+
+TEST(Presets, AreCorrectedAndTheCorrectionIsReported) {
+  LogReader log;
+  const std::string preset = CBMV_TEST_FOREST ".inconsistent.yaml";
+  std::ofstream(preset) << "P1: 5\nP2: 2\n";
+  StereoNodelet nodelet("corrected_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  const auto config = reconfigured(nodelet, presetRequest(preset));
+  EXPECT_EQ(config.P1, 2);
+  EXPECT_EQ(config.P2, 2);
+  EXPECT_TRUE(log.waitForWarning({"P1 (5) was lowered to P2 (2)"}));
+}
+
+TEST(Presets, CanBeNamedAtTheStart) {
+  StereoNodelet nodelet("named_preset_test");
+  nodelet.parameters().setParam("preset", "kitti");
+  ASSERT_TRUE(nodelet.load());
+  const auto config = reconfigured(nodelet, {});
+  EXPECT_EQ(config.preset, "kitti");
+  EXPECT_EQ(optionsText(config), expectedText("kitti"));
 }
 
 TEST(Startup, RefusesBadPrivateParameters) {
