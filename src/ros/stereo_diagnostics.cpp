@@ -108,7 +108,7 @@ void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ro
   }
   ++(cause == FrameDrop::kBadInput ? counts_.dropped_bad_input : counts_.dropped_failed);
   faults_.add(now);
-  fault_ = Fault{sentence, now, true};
+  fault_ = Fault{sentence, now, cause == FrameDrop::kBadInput};
 }
 
 void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime now) {
@@ -123,7 +123,7 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
                    !frame.result.rectification.isZero(),
                    misalignmentWarning(frame, limits_.vertical_offset_px)};
   if (fault_) {
-    fault_->is_newest = false;
+    fault_->is_refusal = false;
   }
 }
 
@@ -193,7 +193,7 @@ void StereoDiagnostics::describeOutput(Status& status, ros::SteadyTime now) cons
 
 void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (fault_ && fault_->is_newest) {
+  if (fault_ && fault_->is_refusal) {
     status.summary(DiagnosticStatus::ERROR, fault_->sentence);
   } else if (!newest_) {
     status.summary(DiagnosticStatus::OK, "no pair of images yet");

@@ -91,7 +91,7 @@ class StereoDiagnostics {
   struct Fault {
     std::string sentence;
     ros::SteadyTime time;
-    bool is_newest = false;  ///< no frame has been processed since
+    bool is_refusal = false;  ///< of the newest frame, for its messages
   };
 
   double silenceS(ros::SteadyTime now) const;

@@ -93,7 +93,7 @@ TEST(EstimateVerticalOffset, RecoversShiftShearAndScale) {
 TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
   const cv::Size size(351, 263);
   int seed = 10;
-  for (const double offset : {-2.3, -0.6, 0.05, 0.35, 1.5}) {
+  for (const double offset : {-2.3, 0.05, 0.35}) {
     for (const double slope : {-0.006, 0.0, 0.002}) {
       const RenderOptions options = misaligned(offset, slope, 0.5 * slope);
       const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);

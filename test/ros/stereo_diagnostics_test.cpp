@@ -152,6 +152,9 @@ TEST_F(Diagnostics, CalibrationTellsTheLastFaultAndWhen) {
   EXPECT_EQ(good.values.at("image size"), "64 x 48 px");
   EXPECT_EQ(good.values.at("last fault"), "right/camera_info has P[3] = 3");
   EXPECT_EQ(good.values.at("time since the last fault (s)"), "5");
+  diagnostics_.dropped(FrameDrop::kFailed, "out of memory", at(7));  // not the input's fault
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeCalibration, 7).level,
+            DiagnosticStatus::OK);
 }
 
 TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
