@@ -5,6 +5,7 @@ find_package(image_geometry REQUIRED)  # how readers of camera_info understand i
 
 find_package(stereo_image_proc QUIET)  # what the node is compared with
 find_package(image_proc QUIET)
+find_package(depth_image_proc QUIET)  # a consumer of depth
 
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
@@ -45,6 +46,10 @@ if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND launch_files parity replacement)
 else()
   message(STATUS "stereo_image_proc or image_proc is missing: nothing is compared with them")
+endif()
+if(stereo_image_proc_FOUND AND depth_image_proc_FOUND)
+  list(APPEND CBMV_ROSTESTS consumers)
+  list(APPEND launch_files consumers)
 endif()
 foreach(test_name ${CBMV_ROSTESTS})
   set(program ${test_name}_rostest)

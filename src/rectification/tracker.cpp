@@ -29,11 +29,16 @@ VerticalOffset RectificationTracker::update(const cv::Mat& left, const cv::Mat& 
   const double elapsed_s = now_s - last_start_s_;
   const bool is_due = !has_started_ || elapsed_s < 0.0 || elapsed_s >= options_.interval_s;
   if (is_due && !is_running_) {
-    start(left, right, range);
+    start(left, right, range, now_s);
     last_start_s_ = now_s;
     has_started_ = true;
   }
   return model_;
+}
+
+RectificationTracker::Measurement RectificationTracker::measurement() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return measurement_;
 }
 
 void RectificationTracker::reset() {
@@ -43,33 +48,35 @@ void RectificationTracker::reset() {
 
 void RectificationTracker::resetLocked() {
   model_ = {};
+  measurement_ = {};
   has_started_ = false;
   ++generation_;
 }
 
 void RectificationTracker::start(const cv::Mat& left, const cv::Mat& right,
-                                 const DisparityRange& range) {
+                                 const DisparityRange& range, double now_s) {
   if (worker_.joinable()) {
     worker_.join();  // has finished: nothing is running
   }
   is_running_ = true;
   worker_ = std::thread(
-      [this, left = left.clone(), right = right.clone(), range, generation = generation_] {
-        VerticalOffset estimate;
+      [this, left = left.clone(), right = right.clone(), range, now_s, generation = generation_] {
+        Measurement measurement;
         try {
-          estimate = estimateVerticalOffset(left, right, range, options_);
+          measurement = {measureVerticalOffset(left, right, range, options_), now_s};
         } catch (const std::exception&) {
-          estimate = {};  // out of memory, at worst: the model stays, the next pair may do better
+          measurement = {};  // out of memory, at worst: the next pair may do better
         }
-        finish(estimate, generation);
+        finish(measurement, generation);
       });
 }
 
-void RectificationTracker::finish(const VerticalOffset& estimate, int generation) {
+void RectificationTracker::finish(const Measurement& measurement, int generation) {
   const std::lock_guard<std::mutex> lock(mutex_);
   is_running_ = false;
-  if (generation == generation_ && estimate.matches > 0) {
-    blend(estimate);
+  if (generation == generation_ && measurement.model.matches > 0) {
+    measurement_ = measurement;
+    blend(toCorrection(measurement, size_, options_));
   }
 }
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <tbb/parallel_for.h>
 
 #include "sparse_matches.h"
@@ -14,108 +14,9 @@
 namespace cbmv {
 namespace {
 
-constexpr int kMinSide = 32;             // px; smaller images hold no matches worth a fit
-constexpr double kMaxResidual = 0.5;     // px; matches that scatter more tell nothing
-constexpr double kMinConsistent = 0.5;   // part of the matches that must agree with the model
-constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
-constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
-constexpr double kMinSpread = 0.2;       // determinant of three matches that fix a model
-constexpr double kSignificance = 16.27;  // chi-square, 3 degrees of freedom, 99.9 %
-
-/// Columns: 1, x and y in halves of the image, so that all parameters are in px.
-struct LinearFit {
-  Eigen::MatrixX3d design;
-  Eigen::VectorXd dy;
-  Eigen::VectorXd weights;
-  Eigen::Vector3d parameters = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double scale = 0.0;  ///< robust standard deviation of the residuals, px
-
-  Eigen::VectorXd residuals() const { return dy - design * parameters; }
-
-  void solve() {
-    Eigen::Matrix3d normal = design.transpose() * weights.asDiagonal() * design;
-    // Matches in one corner must not send the opposite corner astray.
-    const double prior =
-        std::max(scale * scale, kMinScale * kMinScale) / (kSlopePrior * kSlopePrior);
-    normal(1, 1) += prior;
-    normal(2, 2) += prior;
-    parameters = normal.ldlt().solve(design.transpose() * weights.asDiagonal() * dy);
-    covariance = normal.inverse() * (scale * scale);
-  }
-};
-
-LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& size) {
-  const auto count = static_cast<Eigen::Index>(matches.size());
-  LinearFit fit;
-  fit.design.resize(count, 3);
-  fit.dy.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const SparseMatch& match = matches[static_cast<std::size_t>(i)];
-    fit.design.row(i) << 1.0, 2.0 * match.x_right / (size.width - 1) - 1.0,
-        2.0 * match.y_left / (size.height - 1) - 1.0;
-    fit.dy[i] = match.dy;
-  }
-  fit.weights = Eigen::VectorXd::Ones(count);
-  return fit;
-}
-
-/// Standard deviation of a normal distribution with this median of absolute values.
-double robustScale(const Eigen::VectorXd& residuals) {
-  std::vector<double> absolute(static_cast<std::size_t>(residuals.size()));
-  Eigen::VectorXd::Map(absolute.data(), residuals.size()) = residuals.cwiseAbs();
-  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-  std::nth_element(absolute.begin(), middle, absolute.end());
-  return std::max(1.4826 * *middle, kMinScale);
-}
-
-/// Least median of squares: of the models through three matches, the one with the smallest scale.
-/// Half of the matches may be wrong, and agree with each other, without moving it.
-Eigen::Vector3d leastMedianModel(const LinearFit& fit) {
-  constexpr int samples = 300;
-  cv::RNG rng(1);  // always the same samples: the estimate is deterministic
-  Eigen::Vector3d best = Eigen::Vector3d::Zero();
-  double best_scale = robustScale(fit.dy);
-  for (int i = 0; i < samples; ++i) {
-    Eigen::Matrix3d design;
-    Eigen::Vector3d dy;
-    for (int j = 0; j < 3; ++j) {
-      const int match = rng.uniform(0, static_cast<int>(fit.dy.size()));
-      design.row(j) = fit.design.row(match);
-      dy[j] = fit.dy[match];
-    }
-    if (std::abs(design.determinant()) < kMinSpread) {
-      continue;
-    }
-    const Eigen::Vector3d model = design.inverse() * dy;
-    const double scale = robustScale(fit.dy - fit.design * model);
-    if (scale < best_scale) {
-      best = model;
-      best_scale = scale;
-    }
-  }
-  return best;
-}
-
-double tukeyWeight(double residual) {
-  const double part = residual / 4.685;
-  return std::abs(part) >= 1.0 ? 0.0 : (1.0 - part * part) * (1.0 - part * part);
-}
-
-void fitRobustly(LinearFit& fit) {
-  constexpr int iterations = 10;
-  fit.parameters = leastMedianModel(fit);
-  for (int i = 0; i < iterations; ++i) {
-    const Eigen::VectorXd residuals = fit.residuals();
-    fit.scale = robustScale(residuals);
-    fit.weights = (residuals / fit.scale).unaryExpr(&tukeyWeight);
-    fit.solve();
-  }
-}
-
-bool isSignificant(const LinearFit& fit) {
-  return fit.parameters.dot(fit.covariance.ldlt().solve(fit.parameters)) > kSignificance;
-}
+constexpr int kMinSide = 32;            // px; smaller images hold no matches worth a fit
+constexpr double kMaxResidual = 0.5;    // px; matches that scatter more tell nothing
+constexpr double kMinConsistent = 0.5;  // part of the matches that must agree with the model
 
 constexpr int kSteps = 32;             // places between two rows
 constexpr int kWeightUnits = 1 << 15;  // what the weights of a place add up to
@@ -176,18 +77,15 @@ void alignRow(const cv::Mat& right, int y, const VerticalOffset& model, const Cu
   }
 }
 
-VerticalOffset toModel(const LinearFit& fit, const cv::Size& size) {
-  VerticalOffset model;
-  model.offset_px = fit.parameters[0];
-  model.slope_x = 2.0 * fit.parameters[1] / (size.width - 1);
-  model.slope_y = 2.0 * fit.parameters[2] / (size.height - 1);
-  model.offset_sigma_px = std::sqrt(fit.covariance(0, 0));
-  model.residual_px = fit.scale;
-  model.matches = static_cast<int>((fit.weights.array() > 0.0).count());
-  return model;
-}
-
 }  // namespace
+
+bool RectificationOptions::operator==(const RectificationOptions& other) const {
+  const auto fields = [](const RectificationOptions& o) {
+    return std::tie(o.enabled, o.max_offset_px, o.max_features, o.min_matches, o.min_correction_px,
+                    o.interval_s, o.smoothing);
+  };
+  return fields(*this) == fields(other);
+}
 
 double VerticalOffset::at(double x, double y, cv::Size size) const {
   return offset_px + slope_x * (x - 0.5 * (size.width - 1)) +
@@ -206,9 +104,9 @@ void VerticalOffset::clearCorrection() {
   slope_y = 0.0;
 }
 
-VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
-                                      const DisparityRange& range,
-                                      const RectificationOptions& options) {
+VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::Mat& right,
+                                                const DisparityRange& range,
+                                                const RectificationOptions& options) {
   requireGreyPair(left, right);
   if (!options.enabled || std::min(left.cols, left.rows) < kMinSide) {
     return {};
@@ -218,17 +116,28 @@ VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
   if (static_cast<int>(matches.size()) < min_matches) {
     return {};
   }
-  LinearFit fit = linearSystem(matches, left.size());
-  fitRobustly(fit);
-  VerticalOffset model = toModel(fit, left.size());
+  const VerticalOffsetMeasurement measurement = fitVerticalOffset(matches, left.size());
+  const VerticalOffset& model = measurement.model;
   if (model.matches < min_matches || model.residual_px > kMaxResidual ||
       model.matches < kMinConsistent * static_cast<double>(matches.size())) {
     return {};
   }
-  if (!isSignificant(fit) || model.rootMeanSquare(left.size()) < options.min_correction_px) {
+  return measurement;
+}
+
+VerticalOffset toCorrection(const VerticalOffsetMeasurement& measurement, cv::Size size,
+                            const RectificationOptions& options) {
+  VerticalOffset model = measurement.model;
+  if (!measurement.is_significant || model.rootMeanSquare(size) < options.min_correction_px) {
     model.clearCorrection();
   }
   return model;
+}
+
+VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
+                                      const DisparityRange& range,
+                                      const RectificationOptions& options) {
+  return toCorrection(measureVerticalOffset(left, right, range, options), left.size(), options);
 }
 
 cv::Mat alignRightRows(const cv::Mat& right, const VerticalOffset& model, cv::Mat& aligned) {

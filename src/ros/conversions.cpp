@@ -169,6 +169,30 @@ cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
   return status;
 }
 
+cbmv_stereo::Rectification toRectification(const RectificationState& state,
+                                           const StereoResult& result,
+                                           const std_msgs::Header& header) {
+  const VerticalOffset& model = state.measurement.model;
+  cbmv_stereo::Rectification message;
+  message.header = header;
+  message.is_corrected = static_cast<std::uint8_t>(!result.rectification.isZero());
+  if (model.matches == 0) {
+    return message;
+  }
+  message.matches = model.matches;
+  message.age_s = state.age_s;
+  message.offset_px = model.offset_px;
+  message.slope_x = model.slope_x;
+  message.slope_y = model.slope_y;
+  message.offset_sigma_px = model.offset_sigma_px;
+  message.slope_x_sigma = model.slope_x_sigma;
+  message.slope_y_sigma = model.slope_y_sigma;
+  message.rms_px = model.rootMeanSquare(result.disparity.size());
+  message.rms_before_px = state.measurement.rms_before_px;
+  message.rms_after_px = state.measurement.rms_after_px;
+  return message;
+}
+
 RecordedPair toRecordedPair(const cv::Mat& left, const cv::Mat& right,
                             const StereoCalibration& calibration, const std_msgs::Header& header) {
   RecordedPair pair;

@@ -15,6 +15,8 @@
 
 #include "cbmv_stereo/io/calibration.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/rectification/vertical_offset.h"
+#include <cbmv_stereo/Rectification.h>
 #include <cbmv_stereo/Status.h>
 
 // The one place, with the headers of this folder that it includes, in which ROS messages become the
@@ -80,6 +82,17 @@ struct NodeState {
 
 cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
                              const std_msgs::Header& header);
+
+/// What is known of how far the rows of the images are apart.
+struct RectificationState {
+  bool is_watched = false;                ///< false: the parameter refine_rectification is
+  VerticalOffsetMeasurement measurement;  ///< the newest; matches = 0: none yet
+  double age_s = 0;                       ///< since the pair that was measured came
+};
+
+cbmv_stereo::Rectification toRectification(const RectificationState& state,
+                                           const StereoResult& result,
+                                           const std_msgs::Header& header);
 
 /// A pair as a driver and image_proc publish it.
 struct RecordedPair {

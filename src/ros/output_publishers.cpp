@@ -79,6 +79,12 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              "Time of each stage and age of the frame in milliseconds, frames processed and "
              "dropped, vertical offset in pixels",
              [](const Frame& f) { return toStatus(f.result(), f.state(), f.header); }),
+      output("rectification",
+             "Vertical offset between the images as measured, in pixels, with standard errors, "
+             "and what correcting it is worth",
+             [](const Frame& f) {
+               return toRectification(f.processed.rectification, f.result(), f.header);
+             }),
   };
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <dynamic_reconfigure/Config.h>
+#include <ros/package.h>
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
@@ -97,6 +98,35 @@ float minConfidence(const cbmv_stereo::StereoConfig& config) {
     throw Error("min_confidence is not a number; one from 0 to 1 would be right");
   }
   return static_cast<float>(config.min_confidence);
+}
+
+std::string presetPath(const std::string& preset) {
+  if (preset.empty() || preset == kNoPreset) {
+    return {};
+  }
+  const std::string ending = ".yaml";
+  const bool is_file = preset.find('/') != std::string::npos ||
+                       (preset.size() > ending.size() &&
+                        preset.compare(preset.size() - ending.size(), ending.size(), ending) == 0);
+  return is_file ? preset : ros::package::getPath("cbmv_stereo") + "/config/" + preset + ending;
+}
+
+void applyPreset(const std::string& preset, StereoOptions& options) {
+  const std::string path = presetPath(preset);
+  if (!path.empty()) {
+    readPreset(path, options);
+  }
+}
+
+std::string presetOf(const std::string& preset, const StereoOptions& options) {
+  StereoOptions made = options;
+  try {
+    applyPreset(preset, made);
+  } catch (const Error&) {
+    return kNoPreset;  // the file has gone since
+  }
+  correctOptions(made);
+  return describeOptions(made) == describeOptions(options) && !preset.empty() ? preset : kNoPreset;
 }
 
 std::vector<std::string> offerParameters(const StereoOptions& options,

@@ -23,6 +23,19 @@ void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config
 /// it is not a number.
 float minConfidence(const cbmv_stereo::StereoConfig& config);
 
+/// The entry preset of a configuration that takes its values from none.
+inline constexpr const char* kNoPreset = "custom";
+
+/// The file of a preset: empty for kNoPreset and for nothing; a path itself (with a slash or the
+/// ending .yaml); else config/NAME.yaml of this package.
+std::string presetPath(const std::string& preset);
+
+/// Sets what the preset names. Throws Error that names the file (readPreset).
+void applyPreset(const std::string& preset, StereoOptions& options);
+
+/// `preset`, or kNoPreset if `options` are not what it makes of them.
+std::string presetOf(const std::string& preset, const StereoOptions& options);
+
 /// Makes `options` (from a preset) the parameters' values on the parameter server, except where
 /// there already is one: that one is explicit and wins. Returns one sentence for each that differs.
 std::vector<std::string> offerParameters(const StereoOptions& options, ros::NodeHandle& private_nh);

@@ -31,6 +31,16 @@ std::vector<PrivateParameter> cloudParameters() {
            "16 bytes a point, rgb at byte 12, in place of the 32 bytes that PCL's types have"}};
 }
 
+std::vector<PrivateParameter> limitParameters() {
+  return {{"warn_silence_s", 3.0, 0.1, 3600, "s",
+           "Diagnostics: without a pair for longer while an output is wanted is an error"},
+          {"warn_age_s", 1.0, 0, 3600, "s",
+           "Diagnostics: results that are older when published are a warning; 0: no bound"},
+          {"warn_vertical_offset_px", 1.0, 0, 16, "px",
+           "Diagnostics and log: warn where rows are farther apart (root mean square over the "
+           "image): the rig has lost its calibration; 0: no bound"}};
+}
+
 void append(const std::vector<PrivateParameter>& more, std::vector<PrivateParameter>& table) {
   table.insert(table.end(), more.begin(), more.end());
 }
@@ -68,12 +78,15 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
        "File of the forest; without one the nodelet does not come up (the launch files give "
        "models/middlebury.forest)"},
       {"preset", std::string(), 0, 0, "",
-       "YAML file of parameters, see config/; private parameters win over it"},
+       "Name of a file in config/ without its ending, or path of a YAML file; private parameters "
+       "win "
+       "over it"},
       {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
       {"allow_different_frame_ids", false, 0, 0, "",
        "Accept pairs whose images differ in frame_id; outputs have the left one's"}};
   append(syncParameters(), table);
   append(cloudParameters(), table);
+  append(limitParameters(), table);
   table.push_back(
       {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
   return table;

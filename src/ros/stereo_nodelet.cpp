@@ -17,11 +17,11 @@
 namespace cbmv {
 namespace {
 
-constexpr double kSilenceCheckS = 1;
+constexpr double kWatchPeriodS = 0.25;
 constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
-enum Cause { kFailed = 100, kRangeClipped, kColorUnusable };
+enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned };
 
 StereoTopics toTopics(const std::array<std::string, 4>& names) {
   return {names[0], names[1], names[2], names[3]};
@@ -50,10 +50,11 @@ void StereoNodelet::stop() {
   // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
   // publisher waits for its callbacks when it goes.
   config_server_.reset();
-  silence_timer_.stop();
+  watch_timer_.stop();
   inputs_.reset();
   worker_.reset();
   outputs_.reset();
+  updater_.reset();
 }
 
 void StereoNodelet::initialize() {
@@ -64,20 +65,24 @@ void StereoNodelet::initialize() {
   processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
                                                  parameters.get<bool>("allow_different_frame_ids"));
   offerConfig();
+  openDiagnostics(parameters);
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
       [this](const StereoMessages& frame) { work(frame); });
   openTopics(parameters);
-  silence_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });
+  watch_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWatchPeriodS),
+                                                 [this](const ros::WallTimerEvent&) {
+                                                   reportSilence();
+                                                   updater_->update();
+                                                 });
 }
 
 StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
   StereoOptions options;
-  const auto preset = parameters.get<std::string>("preset");
-  if (!preset.empty()) {
-    readPreset(preset, options);
+  preset_ = parameters.get<std::string>("preset");
+  applyPreset(preset_, options);
+  if (!presetPath(preset_).empty()) {
     for (const std::string& difference : offerParameters(options, getPrivateNodeHandle())) {
-      NODELET_INFO_STREAM(difference << " of the preset " << preset);
+      NODELET_INFO_STREAM(difference << " of the preset " << preset_);
     }
   }
   options.threads = parameters.get<int>("threads");
@@ -107,6 +112,17 @@ void StereoNodelet::offerConfig() {
   NODELET_INFO_STREAM("parameters:\n" << describeOptions(options_));
 }
 
+void StereoNodelet::openDiagnostics(const PrivateParameters& parameters) {
+  const DiagnosticsLimits limits{parameters.get<double>("warn_silence_s"),
+                                 parameters.get<double>("warn_age_s"),
+                                 parameters.get<double>("warn_vertical_offset_px")};
+  diagnostics_ = std::make_unique<StereoDiagnostics>(limits, forest_name_, threads_);
+  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(),
+                                                           getName());
+  updater_->setHardwareID("none");
+  diagnostics_->addTo(*updater_);
+}
+
 void StereoNodelet::openTopics(const PrivateParameters& parameters) {
   const ros::NodeHandle& nh = getNodeHandle();
   CloudOptions cloud_options = readCloudOptions(parameters);
@@ -133,6 +149,7 @@ void StereoNodelet::updateSubscriptions() {
   try {
     if (outputs_->anyIsWanted() != inputs_->isSubscribed()) {
       inputs_->isSubscribed() ? inputs_->unsubscribe() : inputs_->subscribe();
+      diagnostics_->setWanted(inputs_->isSubscribed(), ros::SteadyTime::now());
     }
     updateColorSubscription();
   } catch (const image_transport::Exception& error) {
@@ -155,50 +172,67 @@ void StereoNodelet::updateColorSubscription() {
 void StereoNodelet::reportSilence() {
   const std::string report = inputs_->reportSilence();
   if (!report.empty()) {
+    diagnostics_->silent(report);
     NODELET_WARN_STREAM(report);
   }
 }
 
 void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
-  StereoOptions wanted = options_;
   try {
-    applyConfig(config, wanted);
+    StereoOptions wanted = optionsOf(config);
     min_confidence_ = minConfidence(config);
     for (const std::string& correction : correctOptions(wanted)) {
       NODELET_WARN_STREAM(correction);
     }
     options_ = wanted;
+    preset_ = presetOf(config.preset, options_);
   } catch (const Error& error) {
     NODELET_WARN_STREAM(error.what() << "; all parameters keep their values");
     config.min_confidence = min_confidence_;
   }
+  config.preset = preset_;
   writeConfig(options_, config);
   processor_->setOptions(options_);
   processor_->setMinConfidence(min_confidence_);
 }
 
+/// A preset that is chosen anew sets its values; one that was there already yields to the others.
+StereoOptions StereoNodelet::optionsOf(const cbmv_stereo::StereoConfig& config) const {
+  StereoOptions options = options_;
+  applyConfig(config, options);
+  if (config.preset != preset_) {
+    applyPreset(config.preset, options);
+  }
+  return options;
+}
+
 void StereoNodelet::receive(const StereoMessages& frame) {
+  diagnostics_->received(ros::SteadyTime::now());
   if (worker_->submit(frame)) {
-    ++dropped_busy_;
+    diagnostics_->dropped(FrameDrop::kBusy, {}, ros::SteadyTime::now());
   }
 }
 
 void StereoNodelet::work(const StereoMessages& frame) {
   try {
     const ProcessedFrame processed = processor_->process(frame, topics_);
-    ++processed_;
+    diagnostics_->processed(processed, ros::SteadyTime::now());
     if (!processed.range_correction.empty()) {
       warn(kRangeClipped, processed.range_correction);
+    }
+    const std::string misalignment =
+        misalignmentWarning(processed, diagnostics_->limits().vertical_offset_px);
+    if (!misalignment.empty() && misalignment_throttle_.isDue(kMisaligned)) {
+      NODELET_WARN_STREAM(misalignment);
     }
     const std_msgs::Header& header = frame.left_image->header;
     outputs_->publish({header, processed, [&] { return colorOf(frame, processed); },
                        [&] { return stateAt(header.stamp); }});
+    diagnostics_->published(stateAt(header.stamp).age_ms, ros::SteadyTime::now());
   } catch (const InputError& error) {
-    ++dropped_bad_input_;
-    warn(static_cast<int>(error.fault()), std::string(error.what()) + "; frame dropped");
+    drop(FrameDrop::kBadInput, static_cast<int>(error.fault()), error.what());
   } catch (const std::exception& error) {
-    ++dropped_failed_;
-    warn(kFailed, std::string("frame dropped: ") + error.what());
+    drop(FrameDrop::kFailed, kFailed, error.what());
   }
 }
 
@@ -223,11 +257,16 @@ std::chrono::milliseconds StereoNodelet::colorPatience() {
 
 NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {
   NodeState state;
-  state.counts = {processed_, dropped_busy_, dropped_bad_input_, dropped_failed_};
+  state.counts = diagnostics_->counts();
   state.forest = forest_name_;
   state.threads = threads_;
   state.age_ms = (ros::Time::now() - stamp).toSec() * 1000;
   return state;
+}
+
+void StereoNodelet::drop(FrameDrop drop, int cause, const std::string& sentence) {
+  diagnostics_->dropped(drop, sentence, ros::SteadyTime::now());
+  warn(cause, sentence + "; frame dropped");
 }
 
 void StereoNodelet::warn(int cause, const std::string& sentence) {

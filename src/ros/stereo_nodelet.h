@@ -1,12 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
 #include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
@@ -17,6 +17,7 @@
 #include "ros/nodelet_inputs.h"
 #include "ros/output_publishers.h"
 #include "ros/private_parameters.h"
+#include "ros/stereo_diagnostics.h"
 #include "ros/stereo_processor.h"
 #include "ros/warning_throttle.h"
 
@@ -42,6 +43,7 @@ class StereoNodelet : public nodelet::Nodelet {
   StereoOptions readOptions(const PrivateParameters& parameters);
   std::shared_ptr<const Forest> loadForest(const PrivateParameters& parameters);
   void offerConfig();
+  void openDiagnostics(const PrivateParameters& parameters);
   void openTopics(const PrivateParameters& parameters);
 
   /// Called when a subscriber of an output comes or goes.
@@ -50,6 +52,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void reportSilence();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
+  StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 
   // In the worker's thread
@@ -59,6 +62,7 @@ class StereoNodelet : public nodelet::Nodelet {
   std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
 
+  void drop(FrameDrop drop, int cause, const std::string& sentence);
   /// At most one warning per cause in a while.
   void warn(int cause, const std::string& sentence);
 
@@ -76,18 +80,18 @@ class StereoNodelet : public nodelet::Nodelet {
   std::unique_ptr<OutputPublishers> outputs_;
 
   std::optional<ColorBuffer> colors_;
-  ros::WallTimer silence_timer_;
+  std::unique_ptr<StereoDiagnostics> diagnostics_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer watch_timer_;  ///< looks after silence and diagnostics
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;
+  std::string preset_;  ///< that options_ are of, or kNoPreset
   float min_confidence_ = 0;
   std::unique_ptr<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>> config_server_;
 
   WarningThrottle throttle_{5.0};
-  std::atomic<std::uint64_t> processed_{0};
-  std::atomic<std::uint64_t> dropped_busy_{0};
-  std::atomic<std::uint64_t> dropped_bad_input_{0};
-  std::atomic<std::uint64_t> dropped_failed_{0};
+  WarningThrottle misalignment_throttle_{60.0};
   std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stops first
 };
 

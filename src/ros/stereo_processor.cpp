@@ -53,14 +53,17 @@ ProcessedFrame StereoProcessor::process(const StereoMessages& messages,
     adaptTo(images.left.size(), topics.left_image);
   }
   const StereoOptions& options = matcher_.options();
-  const VerticalOffset offset =
-      tracker_->update(images.left, images.right, options.range, steadyNow());
+  followRectification(options.rectification);
+  const double now_s = steadyNow();
+  const VerticalOffset offset = tracker_->update(images.left, images.right, options.range, now_s);
+  frame.rectification = rectificationState(now_s);
   frame.result = matcher_.match(images.left, images.right, offset);
   frame.result.disparity.setTo(frame.result.range.invalid(),
                                frame.result.confidence < min_confidence_.load());
   frame.left_grey = images.left;
   frame.disparity_step_px = disparityStep(options.range, options.refinement);
   frame.range_correction = range_correction_;
+  frame.memory_mb = memory_mb_;
   return frame;
 }
 
@@ -87,8 +90,20 @@ void StereoProcessor::adaptTo(cv::Size image_size, const std::string& image_topi
                         rangeText(options.range) + " are used";
   }
   matcher_.setOptions(options);
-  tracker_.emplace(options.rectification);
+  memory_mb_ = requiredMemoryMb(image_size, options);
   adapted_size_ = image_size;
+}
+
+void StereoProcessor::followRectification(const RectificationOptions& options) {
+  if (!tracker_ || options != tracker_options_) {
+    tracker_.emplace(options);
+    tracker_options_ = options;
+  }
+}
+
+RectificationState StereoProcessor::rectificationState(double now_s) const {
+  const auto measurement = tracker_->measurement();
+  return {tracker_options_.enabled, measurement, now_s - measurement.time_s};
 }
 
 }  // namespace cbmv

@@ -20,6 +20,8 @@ struct ProcessedFrame {
   StereoGeometry geometry;
   StereoResult result;
   double disparity_step_px = 0;
+  double memory_mb = 0;  ///< that the method holds for images of that size
+  RectificationState rectification;
   std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
 };
 
@@ -48,13 +50,18 @@ class StereoProcessor {
  private:
   void takeNewOptions();
   void adaptTo(cv::Size image_size, const std::string& image_topic);
+  void followRectification(const RectificationOptions& options);
+  RectificationState rectificationState(double now_s) const;
 
   const bool allow_different_frame_ids_;
   StereoMatcher matcher_;
   StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
+  /// Follows the offset for as long as its options stay; the size of images it watches itself.
   std::optional<RectificationTracker> tracker_;
-  std::optional<cv::Size> adapted_size_;  ///< empty: matcher and tracker do not have options_ yet
+  RectificationOptions tracker_options_;
+  std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
   std::string range_correction_;
+  double memory_mb_ = 0;
 
   std::atomic<float> min_confidence_{0};
   std::mutex new_options_mutex_;

@@ -69,6 +69,24 @@ TEST(RectificationTracker, WaitsForTheIntervalAndSmooths) {
   EXPECT_NEAR(after.offset_px, 0.75 * 0.4 + 0.25 * 1.2, 0.05);
 }
 
+TEST(RectificationTracker, MeasurementsAreNotSmoothed) {
+  const RenderedScene first = sceneWithOffset(0.4);
+  const RenderedScene second = sceneWithOffset(1.2);
+  RectificationTracker tracker({});
+  EXPECT_EQ(tracker.measurement().model.matches, 0);
+  const VerticalOffset before = updateUntil(tracker, first, 10.0, hasEstimate);
+  EXPECT_EQ(tracker.measurement().model.offset_px, before.offset_px);
+  EXPECT_EQ(tracker.measurement().time_s, 10.0);
+  updateUntil(tracker, second, 12.0,
+              [&](const VerticalOffset& m) { return m.offset_px != before.offset_px; });
+  const auto measurement = tracker.measurement();
+  EXPECT_NEAR(measurement.model.offset_px, 1.2, 0.05);
+  EXPECT_EQ(measurement.time_s, 12.0);
+  EXPECT_GT(measurement.rms_before_px, 5 * measurement.rms_after_px);
+  tracker.reset();
+  EXPECT_EQ(tracker.measurement().model.matches, 0);
+}
+
 TEST(RectificationTracker, PairsWithoutMatchesLeaveTheModel) {
   const RenderedScene scene = sceneWithOffset(0.8);
   const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));

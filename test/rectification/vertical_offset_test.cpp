@@ -89,6 +89,47 @@ TEST(EstimateVerticalOffset, RecoversShiftShearAndScale) {
   }
 }
 
+/// Parameters in px: offset, and slopes at the border of the image.
+TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
+  const cv::Size size(351, 263);
+  int seed = 10;
+  for (const double offset : {-2.3, 0.05, 0.35}) {
+    for (const double slope : {-0.006, 0.0, 0.002}) {
+      const RenderOptions options = misaligned(offset, slope, 0.5 * slope);
+      const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
+      const VerticalOffset model = measureVerticalOffset(scene.left, scene.right, kRange, {}).model;
+      SCOPED_TRACE(testing::Message() << "offset " << offset << ", slope " << slope);
+      EXPECT_NEAR(model.offset_px, offset, 3.0 * model.offset_sigma_px);
+      EXPECT_NEAR(model.slope_x, slope, 3.0 * model.slope_x_sigma);
+      EXPECT_NEAR(model.slope_y, 0.5 * slope, 3.0 * model.slope_y_sigma);
+      EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a bound that says something
+      EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2));
+      EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2));
+    }
+  }
+}
+
+TEST(MeasureVerticalOffset, SaysWhatTheCorrectionIsWorth) {
+  const RenderOptions options = misaligned(1.2, 0.004, 0.0);
+  const RenderedScene scene = renderScene(351, 263, 4, options);
+  const auto measurement = measureVerticalOffset(scene.left, scene.right, kRange, {});
+  const double expected = measurement.model.rootMeanSquare(scene.left.size());
+  EXPECT_NEAR(measurement.rms_before_px, expected, 0.2 * expected);  // matches are not everywhere
+  EXPECT_LT(measurement.rms_after_px, 0.1);
+}
+
+TEST(MeasureVerticalOffset, TellsWhatIsTooSmallToCorrect) {
+  const RenderedScene scene = renderScene(351, 263, 2, misaligned(0.5, 0.0, 0.0));
+  RectificationOptions coarse;
+  coarse.min_correction_px = 0.7;
+  const auto measurement = measureVerticalOffset(scene.left, scene.right, kRange, coarse);
+  EXPECT_NEAR(measurement.model.offset_px, 0.5, 0.05);
+  EXPECT_TRUE(measurement.is_significant);
+  EXPECT_TRUE(toCorrection(measurement, scene.left.size(), coarse).isZero());
+  EXPECT_EQ(toCorrection(measurement, scene.left.size(), {}).offset_px,
+            measurement.model.offset_px);
+}
+
 TEST(EstimateVerticalOffset, RecoversWithNegativeDisparities) {
   const RenderOptions options = misaligned(0.8, 0.0, 0.0);
   const RenderedScene scene = renderScene(363, 263, 3, options);

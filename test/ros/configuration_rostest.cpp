@@ -5,6 +5,8 @@
 #include <cstring>
 #include <fstream>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,7 +15,10 @@
 #include "ros/collector.h"
 #include "ros/local_nodelet.h"
 #include "ros/log_reader.h"
+#include "ros/parameter_server.h"
 #include "ros/wait_for.h"
+
+#include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {
 namespace {
@@ -77,6 +82,91 @@ TEST(Startup, PresetYieldsToExplicitParameters) {
   EXPECT_EQ(p1, 3);
   EXPECT_EQ(iterations, 3);
   EXPECT_FALSE(subpixel);
+}
+
+/// What one call of set_parameters, of the values in `request`, leaves.
+cbmv_stereo::StereoConfig reconfigured(StereoNodelet& nodelet,
+                                       const dynamic_reconfigure::Config& request) {
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config = request;
+  EXPECT_TRUE(ros::service::call(nodelet.parameters().resolveName("set_parameters"), call));
+  auto config = cbmv_stereo::StereoConfig::__getDefault__();
+  config.__fromMessage__(call.response.config);
+  return config;
+}
+
+dynamic_reconfigure::Config presetRequest(const std::string& preset) {
+  dynamic_reconfigure::Config request;
+  request.strs.resize(1);
+  request.strs[0].name = "preset";
+  request.strs[0].value = preset;
+  return request;
+}
+
+/// All parameters of the method.
+std::string optionsText(const cbmv_stereo::StereoConfig& config) {
+  StereoOptions options;
+  applyConfig(config, options);
+  return describeOptions(options);
+}
+
+std::string expectedText(const std::string& preset) {
+  StereoOptions options;
+  options.range.count = 16;  // as StereoNodelet sets it
+  readPreset(CBMV_SOURCE_DIR "/config/" + preset + ".yaml", options);
+  return describeOptions(options);
+}
+
+TEST(Presets, AreTakenAtRunTime) {
+  StereoNodelet nodelet("live_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  for (const char* name : {"quality", "realtime"}) {
+    const auto config = reconfigured(nodelet, presetRequest(name));
+    EXPECT_EQ(config.preset, name);
+    EXPECT_EQ(optionsText(config), expectedText(name));
+  }
+  dynamic_reconfigure::Config other;
+  other.doubles.resize(1);
+  other.doubles[0].name = "P1";
+  other.doubles[0].value = 0.75;
+  const auto custom = reconfigured(nodelet, other);
+  EXPECT_EQ(custom.preset, "custom");
+  EXPECT_EQ(custom.P1, 0.75);
+  EXPECT_EQ(custom.sgm_iterations, 1);  // still of realtime
+  EXPECT_EQ(optionsText(reconfigured(nodelet, presetRequest("realtime"))),
+            expectedText("realtime"));
+}
+
+TEST(Presets, UnknownOnesChangeNothing) {
+  LogReader log;
+  StereoNodelet nodelet("unknown_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  const auto before = reconfigured(nodelet, presetRequest("balanced"));
+  const auto after = reconfigured(nodelet, presetRequest("no_such_preset"));
+  EXPECT_EQ(after.preset, "balanced");
+  EXPECT_EQ(optionsText(after), optionsText(before));
+  EXPECT_TRUE(log.waitForWarning({"config/no_such_preset.yaml", "keep their values"}));
+}
+
+TEST(Presets, AreCorrectedAndTheCorrectionIsReported) {
+  LogReader log;
+  const std::string preset = CBMV_TEST_FOREST ".inconsistent.yaml";
+  std::ofstream(preset) << "P1: 5\nP2: 2\n";
+  StereoNodelet nodelet("corrected_preset_test");
+  ASSERT_TRUE(nodelet.load());
+  const auto config = reconfigured(nodelet, presetRequest(preset));
+  EXPECT_EQ(config.P1, 2);
+  EXPECT_EQ(config.P2, 2);
+  EXPECT_TRUE(log.waitForWarning({"P1 (5) was lowered to P2 (2)"}));
+}
+
+TEST(Presets, CanBeNamedAtTheStart) {
+  StereoNodelet nodelet("named_preset_test");
+  nodelet.parameters().setParam("preset", "kitti");
+  ASSERT_TRUE(nodelet.load());
+  const auto config = reconfigured(nodelet, {});
+  EXPECT_EQ(config.preset, "kitti");
+  EXPECT_EQ(optionsText(config), expectedText("kitti"));
 }
 
 TEST(Startup, RefusesBadPrivateParameters) {
@@ -215,6 +305,76 @@ TEST(Points, LayoutIsTheParameters) {
   };
   EXPECT_NEAR(depthAt(62, 40), 30.0 / kNearPx, 0.2);
   EXPECT_TRUE(std::isnan(depthAt(62, 8)));
+}
+
+/// The newest diagnostics of a nodelet in a namespace.
+class DiagnosticsReader {
+ public:
+  explicit DiagnosticsReader(const std::string& name_space) : prefix_(name_space + "/nodelet: ") {
+    subscriber_ = nh_.subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+          for (const auto& status : array->status) {
+            newest_[status.name] = status;
+          }
+        });
+  }
+
+  bool waitFor(
+      const std::string& name, int level, const std::string& words,
+      const std::function<void()>& meanwhile = [] {}) {
+    return cbmv::waitFor([&] {
+      meanwhile();
+      wait(0.1);
+      const auto found = newest_.find(prefix_ + name);
+      return found != newest_.end() && found->second.level == level &&
+             found->second.message.find(words) != std::string::npos;
+    });
+  }
+
+ private:
+  std::string prefix_;
+  ros::NodeHandle nh_;
+  ros::Subscriber subscriber_;
+  std::map<std::string, diagnostic_msgs::DiagnosticStatus> newest_;
+};
+
+TEST(Diagnostics, FollowTheStream) {
+  using diagnostic_msgs::DiagnosticStatus;
+  DiagnosticsReader reader("diagnostics_test");
+  StereoNodelet nodelet("diagnostics_test");
+  nodelet.parameters().setParam("warn_silence_s", 1.0);
+  nodelet.parameters().setParam("warn_vertical_offset_px", 0.5);
+  nodelet.parameters().setParam("rectification_interval", 0.0);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::OK, "idle"));
+
+  ros::NodeHandle nh("/diagnostics_test");
+  Cameras cameras(nh);
+  Collector<stereo_msgs::DisparityImage> output;
+  output.subscribe(nh, "disparity");
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::ERROR, "no pair of images for"));
+
+  StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
+  const auto publish = [&] { cameras.publish(makeMessages(pair, {}, ros::Time::now())); };
+  EXPECT_TRUE(reader.waitFor("Input", DiagnosticStatus::OK, "pairs of images at", publish));
+  EXPECT_TRUE(reader.waitFor("Output", DiagnosticStatus::OK, "results at", publish));
+  EXPECT_TRUE(reader.waitFor("Calibration", DiagnosticStatus::OK, "baseline 0.2500 m", publish));
+  EXPECT_TRUE(reader.waitFor("Method", DiagnosticStatus::OK, "ms a frame", publish));
+  EXPECT_TRUE(reader.waitFor("Rectification", DiagnosticStatus::OK, "equal heights", publish));
+
+  LogReader log;
+  const cv::Mat one_row_down = (cv::Mat_<double>(2, 3) << 1, 0, 0, 0, 1, 1);
+  cv::warpAffine(pair.right.clone(), pair.right, one_row_down, kSize, cv::INTER_NEAREST,
+                 cv::BORDER_REPLICATE);
+  EXPECT_TRUE(reader.waitFor("Rectification", DiagnosticStatus::WARN, "px apart", publish));
+  EXPECT_TRUE(log.waitForWarning({"px apart", "warn_vertical_offset_px = 0.50"}));
+
+  EXPECT_TRUE(reader.waitFor("Calibration", DiagnosticStatus::ERROR, "P[3]", [&] {
+    PairMessages swapped = makeMessages(pair, {}, ros::Time::now());
+    swapped.right_info->P[3] = -swapped.right_info->P[3];
+    cameras.publish(swapped);
+  }));
+  EXPECT_TRUE(reader.waitFor("Output", DiagnosticStatus::WARN, "dropped lately"));
 }
 
 TEST(Shutdown, UnloadsWhileAFrameIsInWork) {

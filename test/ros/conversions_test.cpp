@@ -729,5 +729,45 @@ TEST(StatusMessage, HasEveryField) {
   EXPECT_EQ(status.threads, 3);
 }
 
+TEST(RectificationMessage, HasEveryField) {
+  StereoResult result = smallResult();
+  result.rectification.offset_px = 0.5;
+  RectificationState state;
+  state.age_s = 1.5;
+  state.measurement.rms_before_px = 0.625;
+  state.measurement.rms_after_px = 0.125;
+  VerticalOffset& model = state.measurement.model;
+  model.matches = 321;
+  model.offset_px = 0.75;
+  model.slope_x = 0.25;
+  model.slope_y = 0.5;
+  model.offset_sigma_px = 0.03;
+  model.slope_x_sigma = 0.04;
+  model.slope_y_sigma = 0.05;
+  const cbmv_stereo::Rectification message = toRectification(state, result, someHeader());
+  EXPECT_EQ(message.header, someHeader());
+  EXPECT_EQ(message.matches, 321);
+  EXPECT_EQ(message.age_s, 1.5);
+  EXPECT_EQ(message.offset_px, 0.75);
+  EXPECT_EQ(message.slope_x, 0.25);
+  EXPECT_EQ(message.slope_y, 0.5);
+  EXPECT_EQ(message.offset_sigma_px, 0.03);
+  EXPECT_EQ(message.slope_x_sigma, 0.04);
+  EXPECT_EQ(message.slope_y_sigma, 0.05);
+  EXPECT_EQ(message.rms_px, model.rootMeanSquare(result.disparity.size()));
+  EXPECT_EQ(message.rms_before_px, 0.625);
+  EXPECT_EQ(message.rms_after_px, 0.125);
+  EXPECT_TRUE(message.is_corrected);
+}
+
+TEST(RectificationMessage, IsZeroWhereNothingIsMeasured) {
+  RectificationState state;
+  state.age_s = 1.5;
+  const auto message = toRectification(state, smallResult(), someHeader());
+  EXPECT_EQ(message.matches, 0);
+  EXPECT_EQ(message.age_s, 0);
+  EXPECT_FALSE(message.is_corrected);
+}
+
 }  // namespace
 }  // namespace cbmv

@@ -105,5 +105,39 @@ TEST(WriteConfig, KeepsValuesAsTheyWereTyped) {
   EXPECT_EQ(config.P1, 1.7);  // and not the float next to it
 }
 
+TEST(Preset, IsANameOrAPath) {
+  EXPECT_EQ(presetPath(""), "");
+  EXPECT_EQ(presetPath(kNoPreset), "");
+  EXPECT_EQ(presetPath("/some/where.yml"), "/some/where.yml");
+  EXPECT_EQ(presetPath("here.yaml"), "here.yaml");
+  const std::string path = presetPath("realtime");
+  const std::string ending = "/config/realtime.yaml";
+  ASSERT_GE(path.size(), ending.size());
+  EXPECT_EQ(path.substr(path.size() - ending.size()), ending);
+}
+
+TEST(Preset, IsCustomOnceAValueDiffers) {
+  const std::string preset = CBMV_SOURCE_DIR "/config/realtime.yaml";
+  StereoOptions options;
+  EXPECT_EQ(presetOf(preset, options), kNoPreset);
+  applyPreset(preset, options);
+  EXPECT_EQ(presetOf(preset, options), preset);
+  options.range.count = 32;  // which it does not name
+  EXPECT_EQ(presetOf(preset, options), preset);
+  options.sgm.p1 += 0.5F;
+  EXPECT_EQ(presetOf(preset, options), kNoPreset);
+  EXPECT_EQ(presetOf("", options), kNoPreset);
+  EXPECT_EQ(presetOf("/nonexistent.yaml", options), kNoPreset);
+}
+
+/// What cfg/Stereo.cfg offers is there, and takes no correction.
+TEST(Preset, FilesAreThere) {
+  for (const char* name : {"quality", "balanced", "realtime", "kitti"}) {
+    StereoOptions options;
+    EXPECT_NO_THROW(applyPreset(std::string(CBMV_SOURCE_DIR "/config/") + name + ".yaml", options));
+    EXPECT_TRUE(correctOptions(options).empty()) << name;
+  }
+}
+
 }  // namespace
 }  // namespace cbmv

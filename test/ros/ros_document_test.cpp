@@ -126,19 +126,23 @@ TEST(RosDocument, HasThePrivateParameters) {
              parameterRows(pointCloudPrivateParameters()));
 }
 
-TEST(RosDocument, HasTheParameterThatIsNoneOfTheMethod) {
+TEST(RosDocument, HasTheParametersThatAreNoneOfTheMethod) {
   using cbmv_stereo::StereoConfig;
+  const StereoConfig defaults = StereoConfig::__getDefault__();
+  std::ostringstream confidence;
+  confidence << defaults.min_confidence;
+  std::vector<std::string> wanted;
   for (const auto& description : StereoConfig::__getParamDescriptions__()) {
     if (description->name == "min_confidence") {
-      std::ostringstream value;
-      value << StereoConfig::__getDefault__().min_confidence;
-      expectRows("Parameters at run time",
-                 {join({"`min_confidence`", value.str(),
-                        rangeText(StereoConfig::__getMin__().min_confidence,
-                                  StereoConfig::__getMax__().min_confidence),
-                        "", description->description})});
+      wanted.push_back(join({"`min_confidence`", confidence.str(),
+                             rangeText(StereoConfig::__getMin__().min_confidence,
+                                       StereoConfig::__getMax__().min_confidence),
+                             "", description->description}));
+    } else if (description->name == "preset") {
+      wanted.push_back(join({"`preset`", defaults.preset, "", "", description->description}));
     }
   }
+  expectRows("Parameters at run time", wanted);
 }
 
 /// Every private parameter can be given to the launch file, with the same default.

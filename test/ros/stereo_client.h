@@ -44,6 +44,7 @@ class StereoClient {
     use(valid_mask, "valid_mask");
     use(disparity_color, "disparity_color");
     use(status, "status");
+    use(rectification, "rectification");
   }
 
   bool allConnected() {
@@ -84,6 +85,7 @@ class StereoClient {
   Collector<sensor_msgs::Image> valid_mask;
   Collector<sensor_msgs::Image> disparity_color;
   Collector<cbmv_stereo::Status> status;
+  Collector<cbmv_stereo::Rectification> rectification;
   LogReader log;
 
  private:

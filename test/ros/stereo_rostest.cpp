@@ -337,6 +337,14 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   EXPECT_NEAR(status.vertical_offset_px, 1, 0.1);
   EXPECT_GT(status.vertical_offset_sigma_px, 0);
   EXPECT_GT(status.vertical_offset_residual_px, 0);
+  const cbmv_stereo::Rectification& watched = client_.rectification.at(stamp);
+  EXPECT_GT(watched.matches, 0);
+  EXPECT_NEAR(watched.offset_px, 1, 3 * watched.offset_sigma_px);
+  EXPECT_NEAR(watched.slope_x, 0, 3 * watched.slope_x_sigma);
+  EXPECT_NEAR(watched.slope_y, 0, 3 * watched.slope_y_sigma);
+  EXPECT_NEAR(watched.rms_before_px, 1, 0.1);
+  EXPECT_LT(watched.rms_after_px, 0.2);
+  EXPECT_TRUE(watched.is_corrected);
 
   VerticalOffset offset;
   offset.offset_px = status.vertical_offset_px;

@@ -29,17 +29,24 @@ class RectificationTracker {
   VerticalOffset update(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
                         double now_s);
 
+  /// The newest measurement, not smoothed, and the `now_s` of the pair that it was taken from. A
+  /// pair that could not be measured leaves the one before; matches = 0 before the first one.
+  struct Measurement : VerticalOffsetMeasurement {
+    double time_s = 0.0;
+  };
+  Measurement measurement() const;
+
   /// Back to the zero model; the estimate under way is dropped, the next pair starts one.
   void reset();
 
  private:
   void resetLocked();
-  void start(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range);
-  void finish(const VerticalOffset& estimate, int generation);
+  void start(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range, double now_s);
+  void finish(const Measurement& measurement, int generation);
   void blend(const VerticalOffset& estimate);
 
   const RectificationOptions options_;
-  std::mutex mutex_;  ///< guards all below
+  mutable std::mutex mutex_;  ///< guards all below
   std::thread worker_;
   bool is_running_ = false;
   bool has_started_ = false;
@@ -47,6 +54,7 @@ class RectificationTracker {
   int generation_ = 0;  ///< counts resets; tells results of before a reset
   cv::Size size_;
   VerticalOffset model_;
+  Measurement measurement_;
 };
 
 }  // namespace cbmv

@@ -16,6 +16,9 @@ struct RectificationOptions {
   double min_correction_px = 0.1;
   double interval_s = 1.0;  ///< RectificationTracker: time from one estimate to the next
   double smoothing = 0.5;   ///< RectificationTracker: share of the old model, 0 to below 1
+
+  bool operator==(const RectificationOptions& other) const;
+  bool operator!=(const RectificationOptions& other) const { return !(*this == other); }
 };
 
 /// The vertical misalignment that is left in a rectified pair, as a linear model
@@ -27,7 +30,9 @@ struct VerticalOffset {
   double offset_px = 0.0;
   double slope_x = 0.0;          ///< px per column
   double slope_y = 0.0;          ///< px per row
-  double offset_sigma_px = 0.0;  ///< standard deviation of offset_px
+  double offset_sigma_px = 0.0;  ///< standard deviation of offset_px, see fitVerticalOffset
+  double slope_x_sigma = 0.0;    ///< standard deviation of slope_x, px per column
+  double slope_y_sigma = 0.0;    ///< standard deviation of slope_y, px per row
   double residual_px = 0.0;      ///< robust standard deviation of dy about the model
   int matches = 0;               ///< matches that agree with the model; 0 when there is no estimate
 
@@ -44,19 +49,36 @@ struct VerticalOffset {
   bool isZero() const { return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0; }
 };
 
+/// What one pair tells of the vertical offset, whether it is worth correcting or not.
+struct VerticalOffsetMeasurement {
+  VerticalOffset model;         ///< as fitted; matches = 0: nothing could be measured
+  bool is_significant = false;  ///< differs from the zero model with 99.9 % confidence
+  /// Root mean square of dy over the matches that agree with the model, in px.
+  double rms_before_px = 0.0;
+  double rms_after_px = 0.0;  ///< the same of what is left when the model is taken off
+};
+
 /// Fits the model to sparse matches between two CV_8UC1 images of one size (design: the authors of
 /// CBMV refine the rectification before matching, their paper does not describe how).
 ///
 /// Corners of the left image are searched in the right one at half resolution by normalised
 /// cross-correlation, over the disparities of `range` and the rows allowed by the options, and kept
 /// where the best place is unique; least squares on patches then gives each dy to sub-pixel
-/// precision. The model starts from the least median of squares and ends by iteratively reweighted
-/// least squares with Tukey's biweight.
+/// precision; fitVerticalOffset does the rest.
 ///
-/// Zero model with matches = 0: options.enabled is false, too few matches agree, or they scatter.
-/// Zero model with matches > 0: the pair is aligned as well as can be measured; the correction
-/// would be smaller than options.min_correction_px or than its uncertainty. Deterministic, one
-/// thread. Throws Error when the images differ in size or are not CV_8UC1.
+/// matches = 0: options.enabled is false, too few matches agree, or they scatter. Deterministic,
+/// one thread. Throws Error when the images differ in size or are not CV_8UC1.
+VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::Mat& right,
+                                                const DisparityRange& range,
+                                                const RectificationOptions& options);
+
+/// The model to correct images of `size` by: the measured one, or the zero model (with what is
+/// known of the matches) where the correction would be smaller than options.min_correction_px or
+/// than its uncertainty.
+VerticalOffset toCorrection(const VerticalOffsetMeasurement& measurement, cv::Size size,
+                            const RectificationOptions& options);
+
+/// The correction that measureVerticalOffset leads to.
 VerticalOffset estimateVerticalOffset(const cv::Mat& left, const cv::Mat& right,
                                       const DisparityRange& range,
                                       const RectificationOptions& options);

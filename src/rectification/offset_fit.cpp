@@ -1,0 +1,167 @@
+#include "cbmv_stereo/rectification/offset_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace cbmv {
+namespace {
+
+constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
+constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
+constexpr double kMinSpread = 0.2;       // determinant of three matches that fix a model
+constexpr double kSignificance = 16.27;  // chi-square, 3 degrees of freedom, 99.9 %
+constexpr double kBiasPx = 0.015;        // px; what sub-pixel matches of a pair have in common
+constexpr double kTukey = 4.685;         // scales from which on a match has no weight
+
+/// Columns: 1, x and y in halves of the image, so that all parameters are in px.
+struct LinearFit {
+  Eigen::MatrixX3d design;
+  Eigen::VectorXd dy;
+  Eigen::VectorXd weights;
+  Eigen::Vector3d parameters = Eigen::Vector3d::Zero();
+  double scale = 0.0;  ///< robust standard deviation of the residuals, px
+
+  Eigen::VectorXd residuals() const { return dy - design * parameters; }
+
+  /// Σ w a aᵀ, and what is known of the slopes before: matches in one corner must not send the
+  /// opposite corner astray.
+  Eigen::Matrix3d normalMatrix(const Eigen::VectorXd& match_weights) const {
+    Eigen::Matrix3d normal = design.transpose() * match_weights.asDiagonal() * design;
+    const double prior = scale * scale / (kSlopePrior * kSlopePrior);
+    normal(1, 1) += prior;
+    normal(2, 2) += prior;
+    return normal;
+  }
+
+  void solve() {
+    parameters = normalMatrix(weights).ldlt().solve(design.transpose() * weights.asDiagonal() * dy);
+  }
+};
+
+LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& size) {
+  const auto count = static_cast<Eigen::Index>(matches.size());
+  LinearFit fit;
+  fit.design.resize(count, 3);
+  fit.dy.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SparseMatch& match = matches[static_cast<std::size_t>(i)];
+    fit.design.row(i) << 1.0, 2.0 * match.x_right / (size.width - 1) - 1.0,
+        2.0 * match.y_left / (size.height - 1) - 1.0;
+    fit.dy[i] = match.dy;
+  }
+  fit.weights = Eigen::VectorXd::Ones(count);
+  return fit;
+}
+
+/// Standard deviation of a normal distribution with this median of absolute values.
+double robustScale(const Eigen::VectorXd& residuals) {
+  std::vector<double> absolute(static_cast<std::size_t>(residuals.size()));
+  Eigen::VectorXd::Map(absolute.data(), residuals.size()) = residuals.cwiseAbs();
+  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
+  std::nth_element(absolute.begin(), middle, absolute.end());
+  return std::max(1.4826 * *middle, kMinScale);
+}
+
+/// Least median of squares: of the models through three matches, the one with the smallest scale.
+/// Half of the matches may be wrong, and agree with each other, without moving it.
+Eigen::Vector3d leastMedianModel(const LinearFit& fit) {
+  constexpr int samples = 300;
+  cv::RNG rng(1);  // always the same samples: the estimate is deterministic
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  double best_scale = robustScale(fit.dy);
+  for (int i = 0; i < samples; ++i) {
+    Eigen::Matrix3d design;
+    Eigen::Vector3d dy;
+    for (int j = 0; j < 3; ++j) {
+      const int match = rng.uniform(0, static_cast<int>(fit.dy.size()));
+      design.row(j) = fit.design.row(match);
+      dy[j] = fit.dy[match];
+    }
+    if (std::abs(design.determinant()) < kMinSpread) {
+      continue;
+    }
+    const Eigen::Vector3d model = design.inverse() * dy;
+    const double scale = robustScale(fit.dy - fit.design * model);
+    if (scale < best_scale) {
+      best = model;
+      best_scale = scale;
+    }
+  }
+  return best;
+}
+
+double tukeyWeight(double residual) {
+  const double part = residual / kTukey;
+  return std::abs(part) >= 1.0 ? 0.0 : (1.0 - part * part) * (1.0 - part * part);
+}
+
+/// Derivative of ψ(u) = u tukeyWeight(u).
+double tukeySlope(double residual) {
+  const double square = residual * residual / (kTukey * kTukey);
+  return square >= 1.0 ? 0.0 : (1.0 - square) * (1.0 - 5.0 * square);
+}
+
+/// Of the parameters, see fitVerticalOffset.
+Eigen::Matrix3d covarianceOf(const LinearFit& fit) {
+  const Eigen::VectorXd scaled = fit.residuals() / fit.scale;
+  const Eigen::VectorXd influence = fit.scale * scaled.cwiseProduct(scaled.unaryExpr(&tukeyWeight));
+  const Eigen::Matrix3d inverse = fit.normalMatrix(scaled.unaryExpr(&tukeySlope)).inverse();
+  const Eigen::Matrix3d spread =
+      fit.design.transpose() * influence.cwiseAbs2().asDiagonal() * fit.design;
+  const double count = (fit.weights.array() > 0.0).count();
+  return inverse * spread * inverse * (count / std::max(count - 3.0, 1.0)) +
+         kBiasPx * kBiasPx * Eigen::Matrix3d::Identity();
+}
+
+void fitRobustly(LinearFit& fit) {
+  constexpr int iterations = 10;
+  fit.parameters = leastMedianModel(fit);
+  for (int i = 0; i < iterations; ++i) {
+    const Eigen::VectorXd residuals = fit.residuals();
+    fit.scale = robustScale(residuals);
+    fit.weights = (residuals / fit.scale).unaryExpr(&tukeyWeight);
+    fit.solve();
+  }
+}
+
+VerticalOffset toModel(const LinearFit& fit, const Eigen::Matrix3d& covariance,
+                       const cv::Size& size) {
+  const double per_column = 2.0 / (size.width - 1);
+  const double per_row = 2.0 / (size.height - 1);
+  VerticalOffset model;
+  model.offset_px = fit.parameters[0];
+  model.slope_x = per_column * fit.parameters[1];
+  model.slope_y = per_row * fit.parameters[2];
+  model.offset_sigma_px = std::sqrt(covariance(0, 0));
+  model.slope_x_sigma = per_column * std::sqrt(covariance(1, 1));
+  model.slope_y_sigma = per_row * std::sqrt(covariance(2, 2));
+  model.residual_px = fit.scale;
+  model.matches = static_cast<int>((fit.weights.array() > 0.0).count());
+  return model;
+}
+
+/// Of the values of the matches that agree with the model.
+double rootMeanSquare(const LinearFit& fit, const Eigen::VectorXd& values) {
+  const Eigen::VectorXd agrees = (fit.weights.array() > 0.0).cast<double>();
+  return std::sqrt(values.cwiseAbs2().dot(agrees) / std::max(agrees.sum(), 1.0));
+}
+
+}  // namespace
+
+VerticalOffsetMeasurement fitVerticalOffset(const std::vector<SparseMatch>& matches,
+                                            cv::Size size) {
+  LinearFit fit = linearSystem(matches, size);
+  fitRobustly(fit);
+  const Eigen::Matrix3d covariance = covarianceOf(fit);
+  VerticalOffsetMeasurement measurement;
+  measurement.model = toModel(fit, covariance, size);
+  measurement.is_significant =
+      fit.parameters.dot(covariance.ldlt().solve(fit.parameters)) > kSignificance;
+  measurement.rms_before_px = rootMeanSquare(fit, fit.dy);
+  measurement.rms_after_px = rootMeanSquare(fit, fit.residuals());
+  return measurement;
+}
+
+}  // namespace cbmv

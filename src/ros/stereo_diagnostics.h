@@ -1,0 +1,119 @@
+#pragma once
+
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/time.h>
+
+#include "ros/conversions.h"
+#include "ros/stereo_processor.h"
+
+namespace cbmv {
+
+/// From when on diagnostics and log warn.
+struct DiagnosticsLimits {
+  double silence_s = 3;           ///< without a pair while an output is wanted
+  double age_s = 1;               ///< from stamp to publishing; 0: no bound
+  double vertical_offset_px = 1;  ///< root mean square over the image; 0: no bound
+};
+
+/// One sentence if the vertical offset that was measured is larger than `limit_px` (0: no bound):
+/// by how much, and what the correction leaves of it; else empty.
+std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px);
+
+/// Why a frame does not come out.
+enum class FrameDrop { kBusy, kBadInput, kFailed };
+
+/// Values of the last kSpanS.
+class RecentValues {
+ public:
+  static constexpr double kSpanS = 10;
+
+  void add(ros::SteadyTime now, double value = 0);
+  void clear() { values_.clear(); }
+  std::size_t count(ros::SteadyTime now) const;
+  double rateHz(ros::SteadyTime now) const;
+  double mean(ros::SteadyTime now) const;     ///< 0 if there is none
+  double largest(ros::SteadyTime now) const;  ///< 0 if there is none
+
+ private:
+  using Entry = std::pair<ros::SteadyTime, double>;
+  std::deque<Entry>::const_iterator firstOf(ros::SteadyTime now) const;
+
+  std::deque<Entry> values_;
+};
+
+/// Counts what becomes of the frames and tells how the node is doing, in the words of
+/// diagnostic_msgs; docs/ros.md has the table. Callable from several threads. Needs no master.
+class StereoDiagnostics {
+ public:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+  StereoDiagnostics(const DiagnosticsLimits& limits, std::string forest, int threads);
+
+  /// Whether inputs are subscribed; without, silence is as it should be.
+  void setWanted(bool wanted, ros::SteadyTime now);
+  void received(ros::SteadyTime now);
+  /// Why no pair comes, see SyncMonitor.
+  void silent(const std::string& report);
+  void dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now);
+  void processed(const ProcessedFrame& frame, ros::SteadyTime now);
+  void published(double age_ms, ros::SteadyTime now);
+
+  FrameCounts counts() const;
+  const DiagnosticsLimits& limits() const { return limits_; }
+
+  void describeInput(Status& status, ros::SteadyTime now) const;
+  void describeOutput(Status& status, ros::SteadyTime now) const;
+  void describeCalibration(Status& status, ros::SteadyTime now) const;
+  void describeMethod(Status& status, ros::SteadyTime now) const;
+  void describeRectification(Status& status, ros::SteadyTime now) const;
+
+  /// Adds all of them; the updater must not outlive this object.
+  void addTo(diagnostic_updater::Updater& updater) const;
+
+ private:
+  /// What is kept of the newest frame that was processed.
+  struct Newest {
+    cv::Size size;
+    StereoGeometry geometry;
+    StageTimes times;
+    double memory_mb = 0;
+    RectificationState rectification;
+    bool is_corrected = false;
+    std::string misalignment;
+  };
+  struct Fault {
+    std::string sentence;
+    ros::SteadyTime time;
+    bool is_refusal = false;  ///< of the newest frame, for its messages
+  };
+
+  double silenceS(ros::SteadyTime now) const;
+  void summarizeOutput(Status& status, ros::SteadyTime now) const;
+  void summarizeRectification(Status& status) const;
+
+  const DiagnosticsLimits limits_;
+  const std::string forest_;
+  const int threads_;
+
+  mutable std::mutex mutex_;  ///< of all below
+  bool wanted_ = false;
+  ros::SteadyTime waiting_since_;  ///< for the next pair
+  std::string silence_report_;
+  FrameCounts counts_;
+  RecentValues pairs_;
+  RecentValues results_;  ///< processing times, ms
+  RecentValues ages_;     ///< ms
+  RecentValues busy_;
+  RecentValues faults_;  ///< bad input and failures
+  std::optional<Newest> newest_;
+  std::optional<Fault> fault_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,125 @@
+#include "cbmv_stereo/rectification/offset_fit.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cbmv {
+namespace {
+
+const cv::Size kSize(321, 241);
+constexpr double kBiasPx = 0.015;  // of the header, at the border of the image
+
+struct Truth {
+  double offset = 0.7;
+  double slope_x = 0.004;
+  double slope_y = -0.003;
+
+  double at(double x, double y) const {
+    return offset + slope_x * (x - 0.5 * (kSize.width - 1)) +
+           slope_y * (y - 0.5 * (kSize.height - 1));
+  }
+};
+
+/// Matches all over the image whose dy has normally distributed errors; `wrong` of them are
+/// anywhere within 4 px.
+std::vector<SparseMatch> drawMatches(int count, int wrong, double sigma_px, cv::RNG& random) {
+  std::vector<SparseMatch> matches;
+  for (int i = 0; i < count; ++i) {
+    SparseMatch match{random.uniform(0.0, kSize.width - 1.0),
+                      random.uniform(0.0, kSize.height - 1.0), 0.0};
+    match.dy = i < wrong ? random.uniform(-4.0, 4.0)
+                         : Truth().at(match.x_right, match.y_left) + random.gaussian(sigma_px);
+    matches.push_back(match);
+  }
+  return matches;
+}
+
+/// Errors of offset and slopes (at the border of the image) and what the fit says of them, in px.
+struct Errors {
+  std::array<double, 3> error;
+  std::array<double, 3> sigma;
+};
+
+Errors errorsOf(const VerticalOffset& model) {
+  const double half_width = 0.5 * (kSize.width - 1);
+  const double half_height = 0.5 * (kSize.height - 1);
+  const Truth truth;
+  return {
+      {model.offset_px - truth.offset, half_width * (model.slope_x - truth.slope_x),
+       half_height * (model.slope_y - truth.slope_y)},
+      {model.offset_sigma_px, half_width * model.slope_x_sigma, half_height * model.slope_y_sigma}};
+}
+
+/// Monte Carlo: the errors scatter as the fit says, and 3 standard deviations hold nearly all.
+void expectHonestSigmas(int count, int wrong, double sigma_px) {
+  constexpr int trials = 400;
+  cv::RNG random(7);
+  std::array<double, 3> squares{};
+  std::array<double, 3> stated{};
+  int outside = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const auto measurement = fitVerticalOffset(drawMatches(count, wrong, sigma_px, random), kSize);
+    const Errors errors = errorsOf(measurement.model);
+    for (int i = 0; i < 3; ++i) {
+      squares[i] += errors.error[i] * errors.error[i];
+      stated[i] += errors.sigma[i] * errors.sigma[i] - kBiasPx * kBiasPx;
+      outside += std::abs(errors.error[i]) > 3.0 * errors.sigma[i] ? 1 : 0;
+    }
+  }
+  for (int i = 0; i < 3; ++i) {  // a standard deviation from 400 errors is known to 3.5 %
+    EXPECT_NEAR(std::sqrt(stated[i] / squares[i]), 1.0, 0.12) << "parameter " << i;
+  }
+  EXPECT_LE(outside, trials * 3 / 100);
+}
+
+TEST(FitVerticalOffset, StandardDeviationsAreThoseOfAMonteCarlo) { expectHonestSigmas(80, 0, 0.3); }
+
+TEST(FitVerticalOffset, StandardDeviationsHoldWithWrongMatches) {
+  expectHonestSigmas(150, 30, 0.3);
+}
+
+TEST(FitVerticalOffset, StandardDeviationsFallWithTheSquareRootOfTheMatches) {
+  cv::RNG random(3);
+  const auto few = fitVerticalOffset(drawMatches(100, 0, 2.0, random), kSize).model;
+  const auto many = fitVerticalOffset(drawMatches(1600, 0, 2.0, random), kSize).model;
+  EXPECT_NEAR(few.offset_sigma_px / many.offset_sigma_px, 4.0, 1.0);
+  EXPECT_NEAR(few.slope_x_sigma / many.slope_x_sigma, 4.0, 1.0);
+}
+
+TEST(FitVerticalOffset, PerfectMatchesGiveTheModel) {
+  cv::RNG random(1);
+  const auto measurement = fitVerticalOffset(drawMatches(60, 10, 0.0, random), kSize);
+  for (const double error : errorsOf(measurement.model).error) {
+    EXPECT_NEAR(error, 0.0, 1e-4);  // small slopes are likelier than large ones
+  }
+  EXPECT_EQ(measurement.model.matches, 50);
+  EXPECT_NEAR(measurement.rms_after_px, 0.0, 1e-4);
+  EXPECT_TRUE(measurement.is_significant);
+}
+
+TEST(FitVerticalOffset, RootMeanSquaresAreThoseOfTheMatches) {
+  cv::RNG random(5);
+  const auto matches = drawMatches(500, 0, 0.2, random);
+  const auto measurement = fitVerticalOffset(matches, kSize);
+  double before = 0.0;
+  for (const SparseMatch& match : matches) {
+    before += match.dy * match.dy / static_cast<double>(matches.size());
+  }
+  EXPECT_NEAR(measurement.rms_before_px, std::sqrt(before), 1e-9);
+  EXPECT_NEAR(measurement.rms_after_px, 0.2, 0.02);
+}
+
+TEST(FitVerticalOffset, NoiseAloneIsNotSignificant) {
+  cv::RNG random(9);
+  std::vector<SparseMatch> matches = drawMatches(100, 0, 0.3, random);
+  for (SparseMatch& match : matches) {
+    match.dy -= Truth().at(match.x_right, match.y_left);
+  }
+  EXPECT_FALSE(fitVerticalOffset(matches, kSize).is_significant);
+}
+
+}  // namespace
+}  // namespace cbmv
