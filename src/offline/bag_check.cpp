@@ -53,7 +53,8 @@ void describePairs(const FramePlan& plan, BagCheck& check) {
   }
 }
 
-void describeCalibration(const PreparedFrame& frame, const DisparityRange& range, BagCheck& check) {
+void describeCalibration(const PreparedFrame& frame, const VerticalOffset& offset,
+                         const DisparityRange& range, BagCheck& check) {
   const StereoGeometry& geometry = frame.geometry;
   const double depth_factor = geometry.focal_length_px * geometry.baseline_m;
   check.text +=
@@ -63,12 +64,12 @@ void describeCalibration(const PreparedFrame& frame, const DisparityRange& range
       format("  disparities to %d px reach from %.2f m on; 1 px at 10 m are %.2f m\n", range.max(),
              depth_factor / std::max(1.0, range.max() - geometry.disparity_offset_px),
              100 / depth_factor);
-  if (frame.offset.matches == 0) {
+  if (offset.matches == 0) {
     check.text += "  rows: too few matches to tell whether they are aligned\n";
     return;
   }
-  const double rms_px = frame.offset.rootMeanSquare(frame.images.left.size());
-  check.text += format("  rows: %.2f px apart, by %d matches\n", rms_px, frame.offset.matches);
+  const double rms_px = offset.rootMeanSquare(frame.images.left.size());
+  check.text += format("  rows: %.2f px apart, by %d matches\n", rms_px, offset.matches);
   if (rms_px > kLargeOffsetPx) {
     check.problems.push_back(
         format("the rows of the pair are %.2f px apart; it is corrected, but the calibration has "
@@ -78,11 +79,11 @@ void describeCalibration(const PreparedFrame& frame, const DisparityRange& range
 }
 
 void describeCost(const FramePlan& plan, OfflineMatcher& matcher, const PreparedFrame& frame,
-                  BagCheck& check) {
-  matcher.match(frame);  // the first one takes its memory
+                  const VerticalOffset& offset, BagCheck& check) {
+  matcher.match(frame, offset);  // the first one takes its memory
   const double begin_s = steadySeconds();
   for (int i = 0; i < kTimedFrames; ++i) {
-    matcher.match(frame);
+    matcher.match(frame, offset);
   }
   const double frame_s = (steadySeconds() - begin_s) / kTimedFrames;
   const double all_s = frame_s * static_cast<double>(plan.frames.size());
@@ -116,8 +117,9 @@ BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const
   describePairs(plan, check);
   OfflineMatcher matcher(forest, options.matching);
   if (const auto frame = prepareOne(plan, matcher, check)) {
-    describeCalibration(*frame, options.matching.stereo.range, check);
-    describeCost(plan, matcher, *frame, check);
+    const VerticalOffset offset = matcher.estimateOffset(*frame);
+    describeCalibration(*frame, offset, options.matching.stereo.range, check);
+    describeCost(plan, matcher, *frame, offset, check);
   }
   return check;
 }

@@ -109,7 +109,9 @@ ConversionSummary convertBags(const ConversionOptions& options,
   const BagSet bags(options.inputs);
   ConversionSummary summary;
   summary.damages = bags.damages();
-  summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
+  PlanOptions plan = options.plan;
+  plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
+  summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), plan);
   summary.threads = threadsOf(options.matching.stereo);
   const FrameOutputs outputs(options.outputs, summary.plan.topics);
   FrameLoader loader(summary.plan.topics, outputs.needsColor());

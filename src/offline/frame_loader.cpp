@@ -45,6 +45,17 @@ cv::Mat decodeBytes(const std::vector<std::uint8_t>& bytes) {
   }
 }
 
+bool isPlainGrey(const std::string& encoding) {
+  return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
+}
+
+/// cv_bridge takes plain channels for no image of light.
+sensor_msgs::ImageConstPtr renamed(const sensor_msgs::ImageConstPtr& plain) {
+  const auto image = boost::make_shared<sensor_msgs::Image>(*plain);
+  image->encoding = plain->encoding == encodings::TYPE_16UC1 ? encodings::MONO16 : encodings::MONO8;
+  return image;
+}
+
 /// What image_proc makes of raw images: grey or colour, with the 8 or 16 bits that they have.
 sensor_msgs::ImagePtr rectify(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
                               const image_geometry::PinholeCameraModel& camera, bool color) {
@@ -53,7 +64,7 @@ sensor_msgs::ImagePtr rectify(const sensor_msgs::ImageConstPtr& raw, const std::
     const bool deep = encodings::bitDepth(raw->encoding) == 16;
     const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
                                        : (deep ? encodings::MONO16 : encodings::MONO8);
-    image = cv_bridge::toCvShare(raw, encoding);
+    image = cv_bridge::toCvShare(isPlainGrey(raw->encoding) ? renamed(raw) : raw, encoding);
   } catch (const std::exception& error) {  // cv_bridge's own, OpenCV's and unknown encodings
     throw InputError(
         InputFault::kUnsupportedEncoding,
@@ -68,6 +79,24 @@ sensor_msgs::ImagePtr rectify(const sensor_msgs::ImageConstPtr& raw, const std::
   cv::Mat rectified;
   camera.rectifyImage(image->image, rectified);
   return boost::make_shared<sensor_msgs::Image>(toMessage(rectified, image->encoding, raw->header));
+}
+
+using CameraModel = image_geometry::PinholeCameraModel;
+
+std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& info,
+                                              const std::string& topic) {
+  if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
+    throw InputError(InputFault::kUncalibrated,
+                     topic +
+                         " is raw, but its camera_info has no calibration, so it cannot be "
+                         "rectified");
+  }
+  auto camera = std::make_shared<CameraModel>();
+  camera->fromCameraInfo(info);
+  // The first image, of any size, makes the maps; from then on the model is only read.
+  cv::Mat ignored;
+  camera->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
+  return camera;
 }
 
 }  // namespace
@@ -118,23 +147,18 @@ FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
                                           const std::string& topic) {
   sensor_msgs::CameraInfo calibration = info;
   calibration.header = {};
-  const std::lock_guard<std::mutex> lock(cameras_mutex_);
-  auto& [known, camera] = cameras_[topic];
-  if (!camera || !(known == calibration)) {
-    if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
-      throw InputError(InputFault::kUncalibrated,
-                       topic +
-                           " is raw, but its camera_info has no calibration, so it cannot be "
-                           "rectified");
+  {
+    const std::lock_guard<std::mutex> lock(cameras_mutex_);
+    const auto& [known, camera] = cameras_[topic];
+    if (camera && known == calibration) {
+      return camera;
     }
-    auto model = std::make_shared<image_geometry::PinholeCameraModel>();
-    model->fromCameraInfo(info);
-    // The first image, of any size, makes the maps; from then on the model is only read.
-    cv::Mat ignored;
-    model->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
-    known = calibration;
-    camera = model;
   }
+  // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
+  // frame.
+  const Camera camera = makeCamera(info, topic);
+  const std::lock_guard<std::mutex> lock(cameras_mutex_);
+  cameras_[topic] = {calibration, camera};
   return camera;
 }
 

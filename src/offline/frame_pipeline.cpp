@@ -28,6 +28,8 @@ double steadySeconds() {
 /// A frame on its way.
 struct Job {
   const PlannedFrame* planned = nullptr;
+  bool is_offset_frame = false;
+  VerticalOffset offset;  ///< of an offset frame
   std::optional<PreparedFrame> prepared;
   std::optional<ProcessedFrame> processed;
   std::vector<RawMessage> messages;
@@ -37,21 +39,28 @@ using JobPtr = std::shared_ptr<Job>;
 
 /// Does a step of a job unless an earlier one has failed.
 template <typename Step>
-JobPtr attempt(const JobPtr& job, const Step& step) {
-  if (job->failure.empty()) {
+void attempt(Job& job, const Step& step) {
+  if (job.failure.empty()) {
     try {
-      step(*job);
+      step(job);
     } catch (const InputError& error) {
-      job->failure = error.what();
+      job.failure = error.what();
     }
   }
-  return job;
 }
 
 /// The steps of the pipeline and what they count.
 class Steps {
  public:
-  Steps(const PipelineParts& parts, std::size_t first) : parts_(parts), next_(first) {}
+  Steps(const PipelineParts& parts, std::size_t first) : parts_(parts), next_(first) {
+    if (first < parts.frames.size() && parts.frames[first].offset_frame < first) {
+      Job before;
+      before.planned = &parts.frames[parts.frames[first].offset_frame];
+      before.is_offset_frame = true;
+      attempt(before, [this](Job& j) { prepareJob(j); });
+      offset_ = before.offset;
+    }
+  }
 
   JobPtr begin(tbb::flow_control& control) {
     if (next_ >= parts_.frames.size() || (parts_.should_stop && parts_.should_stop())) {
@@ -59,27 +68,31 @@ class Steps {
       return nullptr;
     }
     auto job = std::make_shared<Job>();
-    job->planned = &parts_.frames[next_++];
+    job->planned = &parts_.frames[next_];
+    job->is_offset_frame = job->planned->offset_frame == next_;
+    ++next_;
     return job;
   }
 
   JobPtr prepare(const JobPtr& job) const {
-    return attempt(job, [this](Job& j) {
-      j.prepared =
-          parts_.matcher.prepare(parts_.loader.load(*j.planned), parts_.loader.topicNames());
-    });
+    attempt(*job, [this](Job& j) { prepareJob(j); });
+    return job;
   }
 
   JobPtr match(const JobPtr& job) {
-    return attempt(job, [this](Job& j) {
+    if (job->is_offset_frame) {
+      offset_ = job->offset;  // zero if the frame has failed
+    }
+    attempt(*job, [this](Job& j) {
       const double begin_s = steadySeconds();
-      j.processed = parts_.matcher.match(*j.prepared);
+      j.processed = parts_.matcher.match(*j.prepared, offset_);
       report_.matching_seconds += steadySeconds() - begin_s;
     });
+    return job;
   }
 
   JobPtr makeMessages(const JobPtr& job) const {
-    attempt(job, [this](Job& j) { j.messages = parts_.outputs.make(*j.prepared, *j.processed); });
+    attempt(*job, [this](Job& j) { j.messages = parts_.outputs.make(*j.prepared, *j.processed); });
     job->prepared.reset();
     job->processed.reset();
     return job;
@@ -96,8 +109,17 @@ class Steps {
   const PipelineReport& report() const { return report_; }
 
  private:
+  void prepareJob(Job& job) const {
+    job.prepared =
+        parts_.matcher.prepare(parts_.loader.load(*job.planned), parts_.loader.topicNames());
+    if (job.is_offset_frame) {
+      job.offset = parts_.matcher.estimateOffset(*job.prepared);
+    }
+  }
+
   const PipelineParts& parts_;
   std::size_t next_;
+  VerticalOffset offset_;  ///< of the frames that come to the matcher
   PipelineReport report_;
 };
 

@@ -79,6 +79,16 @@ double smallestGap(const Messages& left, const StampPairs& pairs,
   return gap_s;
 }
 
+void chooseOffsetFrames(double interval_s, std::vector<PlannedFrame>& frames) {
+  const auto interval = [&](std::size_t index) {
+    return std::floor(frames[index].left.entry->stamp.toSec() / interval_s);
+  };
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const bool same = interval_s > 0 && i > 0 && interval(i) == interval(i - 1);
+    frames[i].offset_frame = same ? frames[i - 1].offset_frame : i;
+  }
+}
+
 }  // namespace
 
 FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanOptions& options) {
@@ -97,8 +107,12 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
   for (std::size_t i = 0; i < pairs.pairs.size(); i += static_cast<std::size_t>(options.every)) {
     const auto [l, r] = pairs.pairs[i];
     const ros::Time& stamp = left[l].entry->stamp;
-    PlannedFrame frame{left[l], right[r], left_infos.nearest(stamp),
-                       right_infos.nearest(right[r].entry->stamp), std::nullopt};
+    PlannedFrame frame{left[l],
+                       right[r],
+                       left_infos.nearest(stamp),
+                       right_infos.nearest(right[r].entry->stamp),
+                       std::nullopt,
+                       0};
     if (!colors.empty() && colors.nearest(stamp).entry->stamp == stamp) {
       frame.color = colors.nearest(stamp);
     }
@@ -106,6 +120,7 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
                                   frame.right_info.entry->stamp != frame.right.entry->stamp;
     plan.frames.push_back(frame);
   }
+  chooseOffsetFrames(options.offset_interval_s, plan.frames);
   plan.left_images = left.size();
   plan.right_images = inPart(right, plan).size();
   plan.pairs = pairs.pairs.size();

@@ -16,6 +16,7 @@ struct PlanOptions {
   double start_s = 0;                 ///< after the first message of the recording
   double duration_s = 0;              ///< 0: to the end
   int every = 1;                      ///< pairs: 1 takes all, 2 every second, …
+  double offset_interval_s = 0;       ///< from one estimate of the vertical offset to the next
 };
 
 /// The messages that one frame is made from.
@@ -25,6 +26,9 @@ struct PlannedFrame {
   BagMessage left_info;
   BagMessage right_info;
   std::optional<BagMessage> color;  ///< with the stamp of the left image
+  /// The frame whose vertical offset it takes: the first one whose stamp has the same whole number
+  /// of offset_interval_s, so that this does not depend on where processing begins.
+  std::size_t offset_frame = 0;
 };
 
 /// What will be processed, and what cannot be.

@@ -18,18 +18,22 @@ PreparedFrame OfflineMatcher::prepare(LoadedFrame loaded, const StereoTopics& to
   frame.images = toGreyPair(messages, topics, options_.allow_different_frame_ids);
   const cv::Size size = frame.images.left.size();
   frame.geometry = toGeometry(*messages.left_info, *messages.right_info, size, topics);
-  frame.offset = estimateVerticalOffset(frame.images.left, frame.images.right,
-                                        clipRange(options_.stereo.range, size.width),
-                                        options_.stereo.rectification);
   return frame;
 }
 
-ProcessedFrame OfflineMatcher::match(const PreparedFrame& frame) {
+VerticalOffset OfflineMatcher::estimateOffset(const PreparedFrame& frame) const {
+  const GreyPair& images = frame.images;
+  return estimateVerticalOffset(images.left, images.right,
+                                clipRange(options_.stereo.range, images.left.cols),
+                                options_.stereo.rectification);
+}
+
+ProcessedFrame OfflineMatcher::match(const PreparedFrame& frame, const VerticalOffset& offset) {
   adaptTo(frame.images.left.size());
   ProcessedFrame processed;
   processed.left_grey = frame.images.left;
   processed.geometry = frame.geometry;
-  processed.result = matcher_.match(frame.images.left, frame.images.right, frame.offset);
+  processed.result = matcher_.match(frame.images.left, frame.images.right, offset);
   processed.result.disparity.setTo(processed.result.range.invalid(),
                                    processed.result.confidence < options_.min_confidence);
   const StereoOptions& options = matcher_.options();

@@ -19,12 +19,10 @@ struct PreparedFrame {
   LoadedFrame loaded;
   GreyPair images;
   StereoGeometry geometry;
-  VerticalOffset offset;
 };
 
-/// What StereoProcessor does, but with the vertical offset of each pair estimated from the pair
-/// itself: a result depends on nothing but its messages, so parts of a recording can be processed
-/// at any time, in any order.
+/// What StereoProcessor does, but with the vertical offset given: what StereoProcessor follows in
+/// the background depends on the time.
 class OfflineMatcher {
  public:
   /// Throws Error if the options are inconsistent.
@@ -34,8 +32,11 @@ class OfflineMatcher {
   /// do not fit.
   PreparedFrame prepare(LoadedFrame loaded, const StereoTopics& topics) const;
 
+  /// Of the pair by itself; by several threads at once.
+  VerticalOffset estimateOffset(const PreparedFrame& frame) const;
+
   /// One frame at a time. Throws InputError if the images are too large.
-  ProcessedFrame match(const PreparedFrame& frame);
+  ProcessedFrame match(const PreparedFrame& frame, const VerticalOffset& offset);
 
  private:
   void adaptTo(cv::Size image_size);

@@ -235,6 +235,7 @@ void bendLens(sensor_msgs::CameraInfo& info, double angle) {
 
 TEST_F(ConversionTest, RectifiesRawImages) {
   PairMessages messages = recordedFrame(0);
+  messages.right_image->encoding = "8UC1";
   bendLens(*messages.left_info, 0);
   bendLens(*messages.right_info, 0.01);
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
@@ -261,6 +262,31 @@ TEST_F(ConversionTest, RectifiesRawImages) {
   const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/disparity");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(bytesOf(*found[0]), disparityLive(messages));
+}
+
+TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
+  PairMessages messages = recordedFrame(0);
+  bendLens(*messages.left_info, 0);
+  bendLens(*messages.right_info, 0);
+  const cv::Mat blue(64, 96, CV_8UC3, cv::Scalar(200, 100, 0));
+  const std_msgs::Header header = messages.left_image->header;
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  for (const std::string side : {"left", "right"}) {
+    const bool left = side == "left";
+    bag.write("/" + side + "/image_raw", header.stamp, makeImage(blue, "bgr8", header));
+    bag.write("/" + side + "/camera_info", header.stamp,
+              left ? messages.left_info : messages.right_info);
+  }
+  bag.close();
+  options_.outputs = {"cloud"};
+  options_.matching.stereo.range = {2, 3};  // nothing to see: any disparity will do
+  convert(options_);
+  const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
+  ASSERT_EQ(clouds.size(), 1U);
+  const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
+  EXPECT_EQ(center[0], 200);
+  EXPECT_EQ(center[1], 100);
+  EXPECT_EQ(center[2], 0);
 }
 
 TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
@@ -346,6 +372,37 @@ TEST_F(ConversionTest, StopsAndResumesWithTheSameContent) {
   EXPECT_EQ(std::distance(fs::directory_iterator(fs::path(output_).parent_path()), {}), 3)
       << "parts are left";
   EXPECT_TRUE(convert(options_).was_complete);
+}
+
+/// The offset comes from a frame that was done before the run was stopped.
+TEST_F(ConversionTest, ResumesWithTheSameVerticalOffset) {
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  for (int index = 0; index < 6; ++index) {
+    StereoPair pair = renderPair({320, 240}, 5, 11, static_cast<std::uint64_t>(index) + 1);
+    const int rows = 2 + index % 2;  // what the first pair of a second has, counts
+    pair.right = pair.right(cv::Rect(0, rows, 320, 236)).clone();
+    pair.left = pair.left(cv::Rect(0, 0, 320, 236)).clone();
+    writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100 + 0.3 * index)));
+  }
+  bag.close();
+  convert(options_);
+  const std::string whole = output_;
+  for (const int frames : {1, 2, 5}) {
+    options_.output = folder_.file("stopped" + std::to_string(frames) + ".bag");
+    options_.earlier = EarlierParts::kRefuse;
+    int asked = 0;
+    ConversionEvents events;
+    events.should_stop = [&] { return ++asked > frames; };
+    EXPECT_TRUE(convertBags(options_, forest_, events).interrupted);
+    options_.earlier = EarlierParts::kResume;
+    convert(options_);
+    EXPECT_TRUE(messagesOf(options_.output) == messagesOf(whole)) << frames;
+  }
+  options_.output = folder_.file("each.bag");
+  options_.earlier = EarlierParts::kRefuse;
+  options_.matching.stereo.rectification.interval_s = 0;
+  convert(options_);
+  EXPECT_FALSE(messagesOf(options_.output) == messagesOf(whole)) << "nothing depends on offsets";
 }
 
 TEST_F(ConversionTest, RefusesToReplaceABag) {
