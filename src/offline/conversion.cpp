@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <sstream>
 #include <thread>
@@ -91,9 +92,11 @@ void mergeParts(const ConversionOptions& options, const BagSet& bags, const Fram
 /// Makes the frames that are not in the parts yet.
 void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
   const double begin_s = steadySeconds();
+  const std::clock_t begin_clock = std::clock();
   const PipelineReport report = runPipeline(parts, summary.resumed, summary.threads);
   segments.closePart();
   summary.seconds = steadySeconds() - begin_s;
+  summary.cpu_seconds = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC;
   summary.processed = report.frames;
   summary.failures = report.failures;
   summary.matching_seconds = report.matching_seconds;

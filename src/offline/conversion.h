@@ -38,6 +38,7 @@ struct ConversionSummary {
   bool was_complete = false;                    ///< nothing was left to resume
   double seconds = 0;                           ///< from the first frame of this run to the last
   double matching_seconds = 0;                  ///< that the matcher was busy
+  double cpu_seconds = 0;                       ///< of processor in `seconds`, of all threads
   int threads = 0;
 
   /// Whether all that could be expected of the recording is in the output.

@@ -75,6 +75,7 @@ std::string summaryJson(const ConversionSummary& summary) {
       {"seconds", summary.seconds},
       {"frames_per_second", framesPerSecond(summary)},
       {"matching_ms", 1000 * perFrame(summary.matching_seconds, summary.processed)},
+      {"processor_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
       {"threads", summary.threads}};
   return json.dump(2) + "\n";
 }
