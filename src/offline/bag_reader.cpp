@@ -273,7 +273,7 @@ BagReader::Bytes BagReader::unpacked(std::int32_t chunk) const {
       }
     }
   }
-  const Bytes bytes = unpack(chunks_[static_cast<std::size_t>(chunk)]);
+  Bytes bytes = unpack(chunks_[static_cast<std::size_t>(chunk)]);
   const std::lock_guard<std::mutex> lock(cache_mutex_);
   cache_.emplace_front(chunk, bytes);
   if (cache_.size() > kCachedChunks) {

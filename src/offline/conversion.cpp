@@ -106,7 +106,7 @@ void processFrames(const PipelineParts& parts, Segments& segments, ConversionSum
 }  // namespace
 
 ConversionSummary convertBags(const ConversionOptions& options,
-                              std::shared_ptr<const Forest> forest,
+                              const std::shared_ptr<const Forest>& forest,
                               const ConversionEvents& events) {
   compressionOf(options.compression);  // refuses before anything is done
   const BagSet bags(options.inputs);

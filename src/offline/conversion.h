@@ -57,7 +57,8 @@ struct ConversionEvents {
 /// conversion was stopped and resumed. Throws Error if the input or the options cannot be used, or
 /// the output cannot be written.
 ConversionSummary convertBags(const ConversionOptions& options,
-                              std::shared_ptr<const Forest> forest, const ConversionEvents& events);
+                              const std::shared_ptr<const Forest>& forest,
+                              const ConversionEvents& events);
 
 /// One or more lines for people.
 std::string describeSummary(const ConversionSummary& summary);

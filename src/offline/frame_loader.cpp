@@ -149,14 +149,14 @@ FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
   calibration.header = {};
   {
     const std::lock_guard<std::mutex> lock(cameras_mutex_);
-    const auto& [known, camera] = cameras_[topic];
-    if (camera && known == calibration) {
-      return camera;
+    const auto& known = cameras_[topic];
+    if (known.second && known.first == calibration) {
+      return known.second;
     }
   }
   // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
   // frame.
-  const Camera camera = makeCamera(info, topic);
+  Camera camera = makeCamera(info, topic);
   const std::lock_guard<std::mutex> lock(cameras_mutex_);
   cameras_[topic] = {calibration, camera};
   return camera;

@@ -47,7 +47,7 @@ RawMessage toRawMessage(const Message& message, const std::string& topic) {
 /// Throws ros::serialization::StreamOverrunException if the bytes are too few.
 template <typename Message>
 boost::shared_ptr<Message> fromRawMessage(const RawMessage& raw) {
-  const auto message = boost::make_shared<Message>();
+  auto message = boost::make_shared<Message>();
   // IStream takes no constant bytes, but does not write to them.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
   ros::serialization::deserialize(stream, *message);
