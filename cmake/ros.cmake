@@ -13,8 +13,20 @@ add_executable(cbmv_stereo_node ${PROJECT_SOURCE_DIR}/src/ros/cbmv_stereo_node.c
 target_include_directories(cbmv_stereo_node SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(cbmv_stereo_node PRIVATE ${catkin_LIBRARIES})
 
-# Command-line programs that read and write bags.
+# Recordings, without a master: the library `cbmv_offline` of the program cbmv_bag.
 find_package(rosbag REQUIRED)
+find_package(image_geometry REQUIRED)
+file(GLOB offline_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/offline/*.cpp)
+add_library(cbmv_offline STATIC ${offline_sources})
+target_include_directories(cbmv_offline PUBLIC ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(cbmv_offline SYSTEM PUBLIC ${rosbag_INCLUDE_DIRS}
+                           ${image_geometry_INCLUDE_DIRS})
+target_compile_definitions(cbmv_offline PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
+target_link_libraries(cbmv_offline
+  PUBLIC cbmv_stereo_nodelets ${rosbag_LIBRARIES} ${image_geometry_LIBRARIES}
+  PRIVATE nlohmann_json::nlohmann_json TBB::tbb)
+
+# Command-line programs that read and write bags.
 find_package(CLI11 REQUIRED)
 file(GLOB ros_tool_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/ros/cbmv_*.cpp)
 set(CBMV_ROS_TOOLS)
@@ -26,3 +38,4 @@ foreach(tool_source ${ros_tool_sources})
   target_link_libraries(${tool} PRIVATE cbmv_stereo_nodelets ${rosbag_LIBRARIES} CLI11::CLI11)
   list(APPEND CBMV_ROS_TOOLS ${tool})
 endforeach()
+target_link_libraries(cbmv_bag PRIVATE cbmv_offline cbmv_tool_support)

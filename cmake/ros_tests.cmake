@@ -1,8 +1,6 @@
 # Tests of the ROS side. test/ros/NAME_test.cpp need no master and become plain programs;
 # test/ros/NAME.test.in are launch files of rostest, which run test/ros/NAME_rostest.cpp.
 find_package(rostest REQUIRED)
-find_package(image_geometry REQUIRED)  # how readers of camera_info understand it
-
 find_package(stereo_image_proc QUIET)  # what the node is compared with
 find_package(image_proc QUIET)
 find_package(depth_image_proc QUIET)  # a consumer of depth
@@ -21,6 +19,19 @@ foreach(test_source ${ros_test_sources})
   target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
   target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     CBMV_STOCK_LAUNCH_FILE="${stereo_image_proc_PREFIX}/share/stereo_image_proc/launch/stereo_image_proc.launch")
+  set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  add_test(NAME ${test_name} COMMAND ${test_name})
+endforeach()
+
+# Recordings: the library and the program.
+file(GLOB offline_test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/offline/*_test.cpp)
+foreach(test_source ${offline_test_sources})
+  get_filename_component(test_name ${test_source} NAME_WE)
+  add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
+  cbmv_link_ros_test(${test_name})
+  target_link_libraries(${test_name} PRIVATE cbmv_offline GTest::gtest_main gmock)
+  target_compile_definitions(${test_name} PRIVATE CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_bag>")
+  add_dependencies(${test_name} cbmv_bag)
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()

@@ -1,0 +1,133 @@
+#include "offline/bag_check.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <optional>
+
+#include "offline/frame_loader.h"
+
+namespace cbmv {
+namespace {
+
+constexpr double kLargeOffsetPx = 0.5;  // rows of a rectified pair are closer than this
+constexpr int kTimedFrames = 3;
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  return text.data();
+}
+
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void describeBags(const BagSet& bags, const FramePlan& plan, BagCheck& check) {
+  check.text = bags.names() + ", " + format("%.1f s:\n", (plan.end - plan.begin).toSec()) +
+               bags.describeTopics();
+  for (const std::string& damage : bags.damages()) {
+    check.problems.push_back(damage);
+  }
+}
+
+void describePairs(const FramePlan& plan, BagCheck& check) {
+  check.text += "pairs: " + plan.topics.left.name + " and " + plan.topics.right.name +
+                (plan.topics.left.raw ? " (raw, will be rectified)" : "") + "\n" +
+                format("  %zu left and %zu right images, %zu pairs, %zu to process\n",
+                       plan.left_images, plan.right_images, plan.pairs, plan.frames.size());
+  if (plan.left_alone > 0 && std::isfinite(plan.smallest_gap_s) && plan.smallest_gap_s > 0) {
+    check.problems.push_back(
+        format("%zu left images have no right one of their stamp; the nearest is %.6f s away, so "
+               "--max-stamp-difference-s %.2g or more would pair some",
+               plan.left_alone, plan.smallest_gap_s, 1.05 * plan.smallest_gap_s));
+  } else if (plan.left_alone > 0) {
+    check.problems.push_back(format("%zu left images have no right one", plan.left_alone));
+  }
+  if (plan.infos_of_other_stamps > 0) {
+    check.text +=
+        format("  %zu of them take the camera_info nearest in time\n", plan.infos_of_other_stamps);
+  }
+}
+
+void describeCalibration(const PreparedFrame& frame, const VerticalOffset& offset,
+                         const DisparityRange& range, BagCheck& check) {
+  const StereoGeometry& geometry = frame.geometry;
+  const double depth_factor = geometry.focal_length_px * geometry.baseline_m;
+  check.text +=
+      format("calibration: focal length %.1f px, baseline %.4f m, images of %d x %d px\n",
+             geometry.focal_length_px, geometry.baseline_m, frame.images.left.cols,
+             frame.images.left.rows) +
+      format("  disparities to %d px reach from %.2f m on; 1 px at 10 m are %.2f m\n", range.max(),
+             depth_factor / std::max(1.0, range.max() - geometry.disparity_offset_px),
+             100 / depth_factor);
+  if (offset.matches == 0) {
+    check.text += "  rows: too few matches to tell whether they are aligned\n";
+    return;
+  }
+  const double rms_px = offset.rootMeanSquare(frame.images.left.size());
+  check.text += format("  rows: %.2f px apart, by %d matches\n", rms_px, offset.matches);
+  if (rms_px > kLargeOffsetPx) {
+    check.problems.push_back(
+        format("the rows of the pair are %.2f px apart; it is corrected, but the calibration has "
+               "drifted or the images are not rectified",
+               rms_px));
+  }
+}
+
+void describeCost(const FramePlan& plan, OfflineMatcher& matcher, const PreparedFrame& frame,
+                  const VerticalOffset& offset, BagCheck& check) {
+  matcher.match(frame, offset);  // the first one takes its memory
+  const double begin_s = steadySeconds();
+  const std::clock_t begin_clock = std::clock();
+  for (int i = 0; i < kTimedFrames; ++i) {
+    matcher.match(frame, offset);
+  }
+  const double frame_s = (steadySeconds() - begin_s) / kTimedFrames;
+  const double all_s = frame_s * static_cast<double>(plan.frames.size());
+  const double cpu_s =
+      static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC / kTimedFrames;
+  check.text += format(
+      "cost: %.1f ms of matching a frame (%.1f ms of processor), %.3g frames/s, about %.0f s for "
+      "all\n",
+      1000 * frame_s, 1000 * cpu_s, 1 / frame_s, std::ceil(all_s));
+}
+
+/// The frame in the middle; none, and a problem, if it cannot be used.
+std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const OfflineMatcher& matcher,
+                                        BagCheck& check) {
+  if (plan.frames.empty()) {
+    check.problems.emplace_back("there is no pair to process");
+    return std::nullopt;
+  }
+  try {
+    FrameLoader loader(plan.topics, false);
+    return matcher.prepare(loader.load(plan.frames[plan.frames.size() / 2]), loader.topicNames());
+  } catch (const InputError& error) {
+    check.problems.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest) {
+  const BagSet bags(options.inputs);
+  const FramePlan plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
+  BagCheck check;
+  describeBags(bags, plan, check);
+  describePairs(plan, check);
+  OfflineMatcher matcher(forest, options.matching);
+  if (const auto frame = prepareOne(plan, matcher, check)) {
+    const VerticalOffset offset = matcher.estimateOffset(*frame);
+    describeCalibration(*frame, offset, options.matching.stereo.range, check);
+    describeCost(plan, matcher, *frame, offset, check);
+  }
+  return check;
+}
+
+}  // namespace cbmv

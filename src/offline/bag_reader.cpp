@@ -1,0 +1,294 @@
+#include "offline/bag_reader.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string_view>
+#include <tuple>
+
+#include <rosbag/chunked_file.h>
+#include <rosbag/constants.h>
+#include <rosbag/exceptions.h>
+#include <tbb/parallel_for.h>
+
+namespace cbmv {
+namespace {
+
+constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
+constexpr std::size_t kCachedChunks = 8;
+constexpr std::uint32_t kStampOffset = 4;  // a header begins with its sequence number
+
+template <typename Value>
+Value readValue(const std::uint8_t* bytes) {
+  Value value;
+  std::memcpy(&value, bytes, sizeof(value));
+  return value;
+}
+
+ros::Time readTime(const std::uint8_t* bytes) {
+  return {readValue<std::uint32_t>(bytes), readValue<std::uint32_t>(bytes + 4)};
+}
+
+/// A record whose bytes are all there.
+struct Record {
+  std::map<std::string, std::string_view> fields;
+  std::uint64_t data_offset = 0;
+  std::uint32_t data_size = 0;
+  std::uint8_t op = 0;
+
+  std::uint64_t end() const { return data_offset + data_size; }
+};
+
+bool readFields(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end,
+                std::map<std::string, std::string_view>& fields) {
+  while (begin < end) {
+    if (end - begin < 4) {
+      return false;
+    }
+    const auto size = readValue<std::uint32_t>(data + begin);
+    begin += 4;
+    if (size > end - begin) {
+      return false;
+    }
+    const std::string_view field(reinterpret_cast<const char*>(data + begin), size);
+    const std::size_t delimiter = field.find('=');
+    if (delimiter == std::string_view::npos) {
+      return false;
+    }
+    fields[std::string(field.substr(0, delimiter))] = field.substr(delimiter + 1);
+    begin += size;
+  }
+  return true;
+}
+
+/// False if there is no whole record between `begin` and `end`.
+bool readRecord(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end, Record& record) {
+  record.fields.clear();
+  if (begin > end || end - begin < 4) {
+    return false;
+  }
+  const auto header_size = readValue<std::uint32_t>(data + begin);
+  begin += 4;
+  if (end - begin < std::uint64_t{header_size} + 4 ||
+      !readFields(data, begin, begin + header_size, record.fields)) {
+    return false;
+  }
+  begin += header_size;
+  record.data_size = readValue<std::uint32_t>(data + begin);
+  record.data_offset = begin + 4;
+  const auto op = record.fields.find(rosbag::OP_FIELD_NAME);
+  if (op == record.fields.end() || op->second.size() != 1) {
+    return false;
+  }
+  record.op = static_cast<std::uint8_t>(op->second[0]);
+  return record.end() <= end;
+}
+
+std::string textField(const std::map<std::string, std::string_view>& fields,
+                      const std::string& name) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? std::string() : std::string(found->second);
+}
+
+/// The number in a field; 0 where there is none.
+std::uint32_t numberField(const Record& record, const std::string& name) {
+  const auto found = record.fields.find(name);
+  return found == record.fields.end() || found->second.size() < 4
+             ? 0
+             : readValue<std::uint32_t>(
+                   reinterpret_cast<const std::uint8_t*>(found->second.data()));
+}
+
+std::shared_ptr<const BagConnection> readConnection(const std::uint8_t* data,
+                                                    const Record& record) {
+  std::map<std::string, std::string_view> fields;
+  readFields(data, record.data_offset, record.end(), fields);
+  auto connection = std::make_shared<BagConnection>();
+  connection->header = boost::make_shared<ros::M_string>();
+  for (const auto& [name, value] : fields) {
+    (*connection->header)[name] = std::string(value);
+  }
+  connection->topic = textField(record.fields, rosbag::TOPIC_FIELD_NAME);
+  connection->type = textField(fields, "type");
+  connection->md5 = textField(fields, "md5sum");
+  connection->definition = textField(fields, "message_definition");
+  return connection;
+}
+
+}  // namespace
+
+BagReader::BagReader(const std::string& path) : path_(path), file_(path) {
+  const std::string_view content(reinterpret_cast<const char*>(file_.data()), file_.size());
+  if (content.substr(0, kMagic.size()) != kMagic) {
+    throw Error(path + " is no bag of version 2.0, which begins with '#ROSBAG V2.0'");
+  }
+  walkFile();
+  walkCompressedChunks();
+  collect(std::move(findings_));
+  findings_.clear();
+}
+
+void BagReader::walkFile() {
+  std::uint64_t begin = kMagic.size();
+  Record record;
+  findings_.resize(1);
+  bool indexed = false;
+  while (readRecord(file_.data(), begin, file_.size(), record)) {
+    if (record.op == rosbag::OP_FILE_HEADER) {
+      if (!textField(record.fields, rosbag::ENCRYPTOR_FIELD_NAME).empty()) {
+        throw Error(path_ + " is encrypted; `rosbag decompress` makes a bag that can be read");
+      }
+      indexed = numberField(record, rosbag::INDEX_POS_FIELD_NAME) != 0;
+    } else if (record.op == rosbag::OP_CHUNK) {
+      openChunk({textField(record.fields, rosbag::COMPRESSION_FIELD_NAME), record.data_offset,
+                 record.data_size, numberField(record, rosbag::SIZE_FIELD_NAME)},
+                findings_[0]);
+    } else {
+      walkRecords(file_.data(), begin, record.end(), -1, findings_[0]);
+    }
+    begin = record.end();
+  }
+  if (begin != file_.size()) {
+    // A chunk that is cut off, if it is not compressed, has whole messages at its beginning.
+    if (record.op == rosbag::OP_CHUNK &&
+        textField(record.fields, rosbag::COMPRESSION_FIELD_NAME) == rosbag::COMPRESSION_NONE) {
+      walkRecords(file_.data(), record.data_offset, file_.size(), -1, findings_[0]);
+    }
+    addDamage("ends, or is unreadable, in the middle of a record at byte " + std::to_string(begin) +
+              " of " + std::to_string(file_.size()));
+  } else if (!indexed) {
+    addDamage("has no index, so its recording did not end properly");
+  }
+}
+
+void BagReader::openChunk(const Chunk& chunk, Findings& findings) {
+  if (chunk.compression == rosbag::COMPRESSION_NONE) {
+    walkRecords(file_.data(), chunk.offset, chunk.offset + chunk.packed_size, -1, findings);
+  } else {
+    chunks_.push_back(chunk);
+  }
+}
+
+void BagReader::walkRecords(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end,
+                            std::int32_t chunk, Findings& findings) const {
+  Record record;
+  while (readRecord(data, begin, end, record)) {
+    const std::uint32_t connection = numberField(record, rosbag::CONNECTION_FIELD_NAME);
+    if (record.op == rosbag::OP_CONNECTION) {
+      findings.connections[connection] = readConnection(data, record);
+    } else if (record.op == rosbag::OP_MSG_DATA) {
+      BagEntry entry;
+      const std::string_view time = record.fields[rosbag::TIME_FIELD_NAME];
+      if (time.size() == 8) {
+        entry.time = readTime(reinterpret_cast<const std::uint8_t*>(time.data()));
+      }
+      if (record.data_size >= kStampOffset + 8) {
+        entry.stamp = readTime(data + record.data_offset + kStampOffset);
+      }
+      entry.connection = connection;
+      entry.chunk = chunk;
+      entry.offset = record.data_offset;
+      entry.size = record.data_size;
+      findings.entries.push_back(entry);
+    }
+    begin = record.end();
+  }
+  if (begin != end && findings.damage.empty()) {
+    findings.damage = "has a chunk that is damaged";
+  }
+}
+
+void BagReader::walkCompressedChunks() {
+  findings_.resize(1 + chunks_.size());
+  tbb::parallel_for(std::size_t{0}, chunks_.size(), [this](std::size_t i) {
+    Findings& findings = findings_[1 + i];
+    try {
+      const Bytes bytes = unpack(chunks_[i]);
+      walkRecords(bytes->data(), 0, bytes->size(), static_cast<std::int32_t>(i), findings);
+    } catch (const Error&) {
+      findings.damage = "has a chunk that cannot be unpacked";
+    }
+  });
+}
+
+void BagReader::collect(std::vector<Findings> findings) {
+  std::map<std::uint32_t, std::uint32_t> indices;
+  for (const Findings& part : findings) {
+    for (const auto& [number, connection] : part.connections) {
+      if (indices.emplace(number, static_cast<std::uint32_t>(connections_.size())).second) {
+        connections_.push_back(connection);
+      }
+    }
+  }
+  for (Findings& part : findings) {
+    for (BagEntry& entry : part.entries) {
+      const auto index = indices.find(entry.connection);
+      if (index == indices.end()) {
+        part.damage = "has messages whose connection is missing";
+        continue;
+      }
+      entry.connection = index->second;
+      entries_.push_back(entry);
+    }
+    if (!part.damage.empty()) {
+      addDamage(part.damage);
+    }
+  }
+  std::stable_sort(entries_.begin(), entries_.end(), [](const BagEntry& a, const BagEntry& b) {
+    return std::tie(a.time, a.chunk, a.offset) < std::tie(b.time, b.chunk, b.offset);
+  });
+}
+
+void BagReader::addDamage(const std::string& sentence) {
+  if (damage_.empty()) {
+    damage_ = path_ + " " + sentence +
+              "; what can be read of it is used (`rosbag reindex` mends such bags)";
+  }
+}
+
+BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
+  const bool lz4 = chunk.compression == rosbag::COMPRESSION_LZ4;
+  if (!lz4 && chunk.compression != rosbag::COMPRESSION_BZ2) {
+    throw Error(path_ + " has a chunk of the unknown compression '" + chunk.compression + "'");
+  }
+  auto bytes = std::make_shared<std::vector<std::uint8_t>>(chunk.size);
+  try {
+    rosbag::ChunkedFile unpacker;
+    // It takes no constant bytes, but does not write to them.
+    unpacker.decompress(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2, bytes->data(),
+                        chunk.size, const_cast<std::uint8_t*>(file_.data() + chunk.offset),
+                        chunk.packed_size);
+  } catch (const rosbag::BagException& error) {
+    throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what());
+  }
+  return bytes;
+}
+
+BagReader::Bytes BagReader::unpacked(std::int32_t chunk) const {
+  {
+    const std::lock_guard<std::mutex> lock(cache_mutex_);
+    for (const auto& [index, bytes] : cache_) {
+      if (index == chunk) {
+        return bytes;
+      }
+    }
+  }
+  Bytes bytes = unpack(chunks_[static_cast<std::size_t>(chunk)]);
+  const std::lock_guard<std::mutex> lock(cache_mutex_);
+  cache_.emplace_front(chunk, bytes);
+  if (cache_.size() > kCachedChunks) {
+    cache_.pop_back();
+  }
+  return bytes;
+}
+
+RawMessage BagReader::read(const BagEntry& entry) const {
+  const auto& connection = connections_[entry.connection];
+  if (entry.chunk < 0) {
+    return {connection, nullptr, file_.data() + entry.offset, entry.size};
+  }
+  const Bytes bytes = unpacked(entry.chunk);
+  return {connection, bytes, bytes->data() + entry.offset, entry.size};
+}
+
+}  // namespace cbmv

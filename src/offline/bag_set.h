@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "offline/bag_reader.h"
+
+namespace cbmv {
+
+/// One message of several bags.
+struct BagMessage {
+  const BagReader* bag = nullptr;
+  const BagEntry* entry = nullptr;
+
+  const BagConnection& connection() const { return *bag->connections()[entry->connection]; }
+  RawMessage read() const { return bag->read(*entry); }
+};
+
+/// Several bags as one: a recording that was split.
+class BagSet {
+ public:
+  /// Throws Error if a bag cannot be read.
+  explicit BagSet(const std::vector<std::string>& paths);
+
+  /// All messages in the order of their time.
+  const std::vector<BagMessage>& messages() const { return messages_; }
+  /// The messages of a topic in the order of their time.
+  std::vector<BagMessage> onTopic(const std::string& topic) const;
+  /// Topics with types and numbers of messages, one a line, for messages to people.
+  std::string describeTopics() const;
+  /// Type of a topic; empty if there is none of that name.
+  std::string typeOf(const std::string& topic) const;
+  std::vector<std::string> topics() const;
+  /// One sentence a damaged bag.
+  std::vector<std::string> damages() const;
+  const std::vector<std::unique_ptr<BagReader>>& bags() const { return bags_; }
+  /// Names of the bags, for messages to people.
+  std::string names() const;
+
+ private:
+  std::vector<std::unique_ptr<BagReader>> bags_;
+  std::vector<BagMessage> messages_;
+};
+
+}  // namespace cbmv

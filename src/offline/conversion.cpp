@@ -1,0 +1,147 @@
+#include "offline/conversion.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include "offline/frame_pipeline.h"
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+
+namespace cbmv {
+namespace {
+
+namespace fs = std::filesystem;
+
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Everything that the frames of the output depend on.
+std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
+                           const BagSet& bags, const Forest& forest,
+                           const std::vector<std::string>& output_topics) {
+  std::ostringstream text;
+  text << "{\n\"inputs\": \"";
+  for (const auto& bag : bags.bags()) {
+    text << fs::absolute(bag->path()).string() << " (" << bag->fileSize() << " bytes) ";
+  }
+  text << "\",\n\"topics\": \"" << plan.topics.left.name << " " << plan.topics.right.name;
+  for (const std::string& topic : output_topics) {
+    text << " " << topic;
+  }
+  const PlanOptions& part = options.plan;
+  text << "\",\n\"part\": \"start " << part.start_s << " s, duration " << part.duration_s
+       << " s, every " << part.every << ", stamps within " << part.max_stamp_difference_s << " s, "
+       << plan.frames.size() << " frames\",\n\"forest\": \"" << forest.name
+       << "\",\n\"minimal confidence\": " << options.matching.min_confidence
+       << ",\n\"different frame_ids\": " << options.matching.allow_different_frame_ids
+       << ",\n\"version\": \"" << CBMV_VERSION << "\",\n\"parameters\": \"";
+  std::string parameters = describeOptions(options.matching.stereo);
+  std::replace(parameters.begin(), parameters.end(), '\n', ';');
+  text << parameters << "\"\n}\n";
+  return text.str();
+}
+
+/// The messages of other topics in the part of the recording that is processed.
+std::vector<BagMessage> otherMessages(const BagSet& bags, const FramePlan& plan,
+                                      const std::vector<std::string>& output_topics) {
+  std::vector<BagMessage> others;
+  for (const BagMessage& message : bags.messages()) {
+    const std::string& topic = message.connection().topic;
+    const bool in_part = message.entry->time >= plan.begin && message.entry->time <= plan.end;
+    if (in_part &&
+        std::find(output_topics.begin(), output_topics.end(), topic) == output_topics.end()) {
+      others.push_back(message);
+    }
+  }
+  return others;
+}
+
+int threadsOf(const StereoOptions& options) {
+  return options.threads > 0 ? options.threads
+                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// Frames of the parts for which nothing was written.
+std::size_t countFailed(const Segments& segments, const std::string& any_topic) {
+  std::size_t written = 0;
+  for (const std::string& path : segments.paths()) {
+    const BagReader reader(path);
+    for (const BagEntry& entry : reader.entries()) {
+      written += reader.connections()[entry.connection]->topic == any_topic;
+    }
+  }
+  return segments.framesDone() - written;
+}
+
+/// Writes the output from its parts.
+void mergeParts(const ConversionOptions& options, const BagSet& bags, const FramePlan& plan,
+                const FrameOutputs& outputs, Segments& segments) {
+  const std::vector<BagMessage> others =
+      options.copy ? otherMessages(bags, plan, outputs.topics()) : std::vector<BagMessage>();
+  mergeBags(segments.paths(), others, options.output, compressionOf(options.compression));
+  segments.remove();
+}
+
+/// Makes the frames that are not in the parts yet.
+void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
+  const double begin_s = steadySeconds();
+  const std::clock_t begin_clock = std::clock();
+  const PipelineReport report = runPipeline(parts, summary.resumed, summary.threads);
+  segments.closePart();
+  summary.seconds = steadySeconds() - begin_s;
+  summary.cpu_seconds = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC;
+  summary.processed = report.frames;
+  summary.failures = report.failures;
+  summary.matching_seconds = report.matching_seconds;
+  summary.interrupted = segments.framesDone() < parts.frames.size();
+}
+
+}  // namespace
+
+ConversionSummary convertBags(const ConversionOptions& options,
+                              const std::shared_ptr<const Forest>& forest,
+                              const ConversionEvents& events) {
+  compressionOf(options.compression);  // refuses before anything is done
+  const BagSet bags(options.inputs);
+  ConversionSummary summary;
+  summary.damages = bags.damages();
+  PlanOptions plan = options.plan;
+  plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
+  summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), plan);
+  summary.threads = threadsOf(options.matching.stereo);
+  const FrameOutputs outputs(options.outputs, summary.plan.topics);
+  FrameLoader loader(summary.plan.topics, outputs.needsColor());
+  OfflineMatcher matcher(forest, options.matching);
+  Segments segments(options.output,
+                    describeOrigin(options, summary.plan, bags, *forest, outputs.topics()),
+                    options.earlier);
+  segments.setFramesPerPart(options.frames_per_part);
+  summary.was_complete = segments.isComplete();
+  if (summary.was_complete) {
+    return summary;
+  }
+  summary.resumed = segments.framesDone();
+  std::size_t done = summary.resumed;
+  const auto write = [&](const std::vector<RawMessage>& messages, const ros::Time& time) {
+    segments.write(messages, time);
+    if (events.progress) {
+      events.progress(++done, summary.plan.frames.size());
+    }
+  };
+  processFrames({summary.plan.frames, loader, matcher, outputs, write, events.should_stop},
+                segments, summary);
+  summary.failed = countFailed(segments, outputs.topics().front());
+  if (!summary.interrupted) {
+    mergeParts(options, bags, summary.plan, outputs, segments);
+  }
+  return summary;
+}
+
+}  // namespace cbmv

@@ -1,0 +1,150 @@
+#include "offline/frame_pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include <tbb/global_control.h>
+#if __has_include(<tbb/parallel_pipeline.h>)
+#include <tbb/parallel_pipeline.h>
+#else
+#include <tbb/pipeline.h>  // TBB 2020
+#endif
+
+namespace cbmv {
+namespace {
+
+#if __has_include(<tbb/parallel_pipeline.h>)
+using Mode = tbb::filter_mode;
+#else
+using Mode = tbb::filter;
+#endif
+
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A frame on its way.
+struct Job {
+  const PlannedFrame* planned = nullptr;
+  bool is_offset_frame = false;
+  VerticalOffset offset;  ///< of an offset frame
+  std::optional<PreparedFrame> prepared;
+  std::optional<ProcessedFrame> processed;
+  std::vector<RawMessage> messages;
+  std::string failure;
+};
+using JobPtr = std::shared_ptr<Job>;
+
+/// Does a step of a job unless an earlier one has failed.
+template <typename Step>
+void attempt(Job& job, const Step& step) {
+  if (job.failure.empty()) {
+    try {
+      step(job);
+    } catch (const InputError& error) {
+      job.failure = error.what();
+    }
+  }
+}
+
+/// The steps of the pipeline and what they count.
+class Steps {
+ public:
+  Steps(const PipelineParts& parts, std::size_t first) : parts_(parts), next_(first) {
+    if (first < parts.frames.size() && parts.frames[first].offset_frame < first) {
+      Job before;
+      before.planned = &parts.frames[parts.frames[first].offset_frame];
+      before.is_offset_frame = true;
+      attempt(before, [this](Job& j) { prepareJob(j); });
+      offset_ = before.offset;
+    }
+  }
+
+  JobPtr begin(tbb::flow_control& control) {
+    if (next_ >= parts_.frames.size() || (parts_.should_stop && parts_.should_stop())) {
+      control.stop();
+      return nullptr;
+    }
+    auto job = std::make_shared<Job>();
+    job->planned = &parts_.frames[next_];
+    job->is_offset_frame = job->planned->offset_frame == next_;
+    ++next_;
+    return job;
+  }
+
+  JobPtr prepare(const JobPtr& job) const {
+    attempt(*job, [this](Job& j) { prepareJob(j); });
+    return job;
+  }
+
+  JobPtr match(const JobPtr& job) {
+    if (job->is_offset_frame) {
+      offset_ = job->offset;  // zero if the frame has failed
+    }
+    attempt(*job, [this](Job& j) {
+      const double begin_s = steadySeconds();
+      j.processed = parts_.matcher.match(*j.prepared, offset_);
+      report_.matching_seconds += steadySeconds() - begin_s;
+    });
+    return job;
+  }
+
+  JobPtr makeMessages(const JobPtr& job) const {
+    attempt(*job, [this](Job& j) { j.messages = parts_.outputs.make(*j.prepared, *j.processed); });
+    job->prepared.reset();
+    job->processed.reset();
+    return job;
+  }
+
+  void write(const JobPtr& job) {
+    if (!job->failure.empty()) {
+      ++report_.failures[job->failure];
+    }
+    parts_.write(job->messages, job->planned->left.entry->time);
+    ++report_.frames;
+  }
+
+  const PipelineReport& report() const { return report_; }
+
+ private:
+  void prepareJob(Job& job) const {
+    job.prepared =
+        parts_.matcher.prepare(parts_.loader.load(*job.planned), parts_.loader.topicNames());
+    if (job.is_offset_frame) {
+      job.offset = parts_.matcher.estimateOffset(*job.prepared);
+    }
+  }
+
+  const PipelineParts& parts_;
+  std::size_t next_;
+  VerticalOffset offset_;  ///< of the frames that come to the matcher
+  PipelineReport report_;
+};
+
+}  // namespace
+
+PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int threads) {
+  // The thread that waits for the pipeline does not help the matcher: one more than asked for.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads) + 1);
+  const std::size_t frames_in_flight = static_cast<std::size_t>(std::min(threads, 8)) + 2;
+  Steps steps(parts, first);
+  tbb::parallel_pipeline(
+      frames_in_flight,
+      tbb::make_filter<void, JobPtr>(Mode::serial_in_order, [&](tbb::flow_control& c) {
+        return steps.begin(c);
+      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+        return steps.prepare(j);
+      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::serial_in_order, [&](const JobPtr& j) {
+        return steps.match(j);
+      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+        return steps.makeMessages(j);
+      }) & tbb::make_filter<JobPtr, void>(Mode::serial_in_order, [&](const JobPtr& j) {
+        steps.write(j);
+      }));
+  return steps.report();
+}
+
+}  // namespace cbmv

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "offline/frame_outputs.h"
+#include "offline/frame_plan.h"
+#include "offline/offline_matcher.h"
+
+namespace cbmv {
+
+/// What the pipeline is made of; all have to outlive the run.
+struct PipelineParts {
+  const std::vector<PlannedFrame>& frames;
+  FrameLoader& loader;
+  OfflineMatcher& matcher;
+  const FrameOutputs& outputs;
+  /// Called with the frames in their order, by one thread at a time.
+  std::function<void(const std::vector<RawMessage>& messages, const ros::Time& time)> write;
+  std::function<bool()> should_stop;  ///< may be empty
+};
+
+struct PipelineReport {
+  std::size_t frames = 0;  ///< that were written
+  std::map<std::string, std::size_t> failures;
+  double matching_seconds = 0;
+};
+
+/// Takes the frames from `first` on through loading and preparing (several at once), matching (one
+/// at a time, on `threads` threads), making of messages (several at once) and writing (in order).
+/// A frame whose messages cannot be used is written without messages.
+PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int threads);
+
+}  // namespace cbmv

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "offline/bag_set.h"
+#include "offline/stereo_topics.h"
+
+namespace cbmv {
+
+/// Which part of a recording is processed.
+struct PlanOptions {
+  double max_stamp_difference_s = 0;  ///< between the images of a pair
+  double start_s = 0;                 ///< after the first message of the recording
+  double duration_s = 0;              ///< 0: to the end
+  int every = 1;                      ///< pairs: 1 takes all, 2 every second, …
+  double offset_interval_s = 0;       ///< from one estimate of the vertical offset to the next
+};
+
+/// The messages that one frame is made from.
+struct PlannedFrame {
+  BagMessage left;
+  BagMessage right;
+  BagMessage left_info;
+  BagMessage right_info;
+  std::optional<BagMessage> color;  ///< with the stamp of the left image
+  /// The frame whose vertical offset it takes: the first one whose stamp has the same whole number
+  /// of offset_interval_s, so that this does not depend on where processing begins.
+  std::size_t offset_frame = 0;
+};
+
+/// What will be processed, and what cannot be.
+struct FramePlan {
+  CameraTopics topics;
+  std::vector<PlannedFrame> frames;  ///< by stamp
+  ros::Time begin;                   ///< of the part that is processed
+  ros::Time end;                     ///< of the part that is processed; the last moment in it
+  std::size_t left_images = 0;
+  std::size_t right_images = 0;
+  std::size_t pairs = 0;  ///< before `every`
+  std::size_t left_alone = 0;
+  std::size_t right_alone = 0;
+  std::size_t repeated_stamps = 0;
+  std::size_t infos_of_other_stamps = 0;  ///< frames whose camera_info is the nearest in time
+  double smallest_gap_s = 0;              ///< least difference of left_alone to any right image
+};
+
+/// Pairs the images in the bags by their stamps. Images without camera_info of their stamp take the
+/// nearest one. Throws Error if no calibration was recorded.
+FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanOptions& options);
+
+}  // namespace cbmv

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <ros/time.h>
+
+namespace cbmv {
+
+/// Which images of two cameras belong together.
+struct StampPairs {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< left and right, by stamp
+  std::vector<std::size_t> left_alone;                     ///< without a partner
+  std::vector<std::size_t> right_alone;
+  std::vector<std::size_t> left_repeated;  ///< have the stamp of an image before them
+  std::vector<std::size_t> right_repeated;
+};
+
+/// Two images are a pair if each is the nearest in time to the other, and their stamps differ by
+/// `max_difference_s` (0: not at all) at most.
+StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
+                      double max_difference_s);
+
+/// Index of the stamp nearest to `stamp`, the earlier one of two; `stamps` is sorted and not empty.
+std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& stamp);
+
+}  // namespace cbmv

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
+#include <ros/datatypes.h>
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+
+namespace cbmv {
+
+/// A topic of a bag as one publisher wrote it.
+struct BagConnection {
+  std::string topic;
+  std::string type;
+  std::string md5;
+  std::string definition;
+  boost::shared_ptr<ros::M_string> header;  ///< as recorded: latching, callerid, …; may be null
+};
+
+/// A serialised message of any type, which rosbag::Bag::write takes as it is.
+struct RawMessage {
+  std::shared_ptr<const BagConnection> connection;
+  std::shared_ptr<const void> owner;  ///< keeps the bytes
+  const std::uint8_t* data = nullptr;
+  std::uint32_t size = 0;
+};
+
+template <typename Message>
+RawMessage toRawMessage(const Message& message, const std::string& topic) {
+  namespace traits = ros::message_traits;
+  auto bytes =
+      std::make_shared<std::vector<std::uint8_t>>(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes->data(), static_cast<std::uint32_t>(bytes->size()));
+  ros::serialization::serialize(stream, message);
+  const BagConnection connection{topic, traits::datatype(message), traits::md5sum(message),
+                                 traits::definition(message), nullptr};
+  return {std::make_shared<const BagConnection>(connection), bytes, bytes->data(),
+          static_cast<std::uint32_t>(bytes->size())};
+}
+
+/// Throws ros::serialization::StreamOverrunException if the bytes are too few.
+template <typename Message>
+boost::shared_ptr<Message> fromRawMessage(const RawMessage& raw) {
+  auto message = boost::make_shared<Message>();
+  // IStream takes no constant bytes, but does not write to them.
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
+  ros::serialization::deserialize(stream, *message);
+  return message;
+}
+
+}  // namespace cbmv
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct MD5Sum<cbmv::RawMessage> {
+  static const char* value(const cbmv::RawMessage& m) { return m.connection->md5.c_str(); }
+};
+template <>
+struct DataType<cbmv::RawMessage> {
+  static const char* value(const cbmv::RawMessage& m) { return m.connection->type.c_str(); }
+};
+template <>
+struct Definition<cbmv::RawMessage> {
+  static const char* value(const cbmv::RawMessage& m) { return m.connection->definition.c_str(); }
+};
+
+}  // namespace message_traits
+
+namespace serialization {
+
+template <>
+struct Serializer<cbmv::RawMessage> {
+  template <typename Stream>
+  static void write(Stream& stream, const cbmv::RawMessage& m) {
+    std::memcpy(stream.advance(m.size), m.data, m.size);
+  }
+  static std::uint32_t serializedLength(const cbmv::RawMessage& m) { return m.size; }
+};
+
+}  // namespace serialization
+}  // namespace ros

@@ -1,0 +1,152 @@
+#include "offline/stereo_topics.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+constexpr std::array<const char*, 6> kImageNames = {
+    "image_rect", "image_rect/compressed", "image_rect_color", "image_rect_color/compressed",
+    "image_raw",  "image_raw/compressed"};
+constexpr const char* kCompressedType = "sensor_msgs/CompressedImage";
+constexpr const char* kImageType = "sensor_msgs/Image";
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+std::string parent(const std::string& topic) { return topic.substr(0, topic.rfind('/')); }
+
+bool isImage(const BagSet& bags, const std::string& topic) {
+  const std::string type = bags.typeOf(topic);
+  return type == kImageType || type == kCompressedType;
+}
+
+ImageTopic describeImage(const BagSet& bags, const std::string& topic) {
+  const bool compressed = bags.typeOf(topic) == kCompressedType;
+  const std::string image = compressed ? parent(topic) : topic;
+  return {topic, compressed, image.substr(image.rfind('/') + 1).find("rect") == std::string::npos};
+}
+
+/// The namespace of the camera that took the images.
+std::string cameraOf(const ImageTopic& topic) {
+  return parent(topic.compressed ? parent(topic.name) : topic.name);
+}
+
+/// The first pair of image topics of a stereo namespace; names are empty if there is none.
+std::pair<std::string, std::string> imagesIn(const BagSet& bags, const std::string& name) {
+  for (const char* image : kImageNames) {
+    const std::string left = name + "/left/" + image;
+    const std::string right = name + "/right/" + image;
+    if (isImage(bags, left) && isImage(bags, right)) {
+      return {left, right};
+    }
+  }
+  return {};
+}
+
+std::vector<std::string> stereoNamespaces(const BagSet& bags) {
+  std::vector<std::string> found;
+  for (const std::string& topic : bags.topics()) {
+    for (const char* image : kImageNames) {
+      const std::string end = std::string("/left/") + image;
+      if (endsWith(topic, end)) {
+        const std::string name = topic.substr(0, topic.size() - end.size());
+        if (!imagesIn(bags, name).first.empty() &&
+            std::find(found.begin(), found.end(), name) == found.end()) {
+          found.push_back(name);
+        }
+      }
+    }
+  }
+  return found;
+}
+
+Error noTopics(const BagSet& bags, const std::string& problem) {
+  return Error(bags.names() + ": " + problem + "; there is:\n" + bags.describeTopics());
+}
+
+std::string withoutSlash(std::string name) {
+  while (endsWith(name, "/")) {
+    name.pop_back();
+  }
+  return !name.empty() && name.front() != '/' ? "/" + name : name;
+}
+
+std::pair<std::string, std::string> chooseImages(const BagSet& bags, const TopicChoice& choice) {
+  if (!choice.left.empty() || !choice.right.empty()) {
+    for (const std::string& topic : {choice.left, choice.right}) {
+      if (topic.empty()) {
+        throw Error("--left and --right go together: name both topics or none");
+      }
+      if (!isImage(bags, topic)) {
+        throw noTopics(bags, "there are no images on " + topic);
+      }
+    }
+    return {choice.left, choice.right};
+  }
+  if (!choice.camera_namespace.empty()) {
+    const auto images = imagesIn(bags, withoutSlash(choice.camera_namespace));
+    if (images.first.empty()) {
+      throw noTopics(bags, "no stereo pair below " + withoutSlash(choice.camera_namespace));
+    }
+    return images;
+  }
+  const std::vector<std::string> names = stereoNamespaces(bags);
+  if (names.empty()) {
+    throw noTopics(bags,
+                   "no stereo pair (left/image_rect and right/image_rect, image_rect_color or "
+                   "image_raw, or the same /compressed); name its topics by --left and --right");
+  }
+  if (names.size() > 1) {
+    std::string list;
+    for (const std::string& name : names) {
+      list += " " + (name.empty() ? "/" : name);
+    }
+    throw Error(bags.names() + ": more than one stereo camera, choose one by --namespace:" + list);
+  }
+  return imagesIn(bags, names.front());
+}
+
+std::string findInfo(const BagSet& bags, const ImageTopic& image) {
+  const std::string topic = cameraOf(image) + "/camera_info";
+  if (bags.typeOf(topic) != "sensor_msgs/CameraInfo") {
+    throw noTopics(bags, "no calibration for " + image.name + ": " + topic + " is missing");
+  }
+  return topic;
+}
+
+/// As the live node: image_rect_color beside the left images. Raw images have their own colour.
+ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
+  if (left.raw) {
+    return left;
+  }
+  for (const char* name : {"/image_rect_color", "/image_rect_color/compressed"}) {
+    const std::string topic = cameraOf(left) + name;
+    if (isImage(bags, topic)) {
+      return describeImage(bags, topic);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+CameraTopics findCameraTopics(const BagSet& bags, const TopicChoice& choice) {
+  const auto [left, right] = chooseImages(bags, choice);
+  CameraTopics topics;
+  topics.left = describeImage(bags, left);
+  topics.right = describeImage(bags, right);
+  topics.left_info = findInfo(bags, topics.left);
+  topics.right_info = findInfo(bags, topics.right);
+  topics.color = findColor(bags, topics.left);
+  topics.output_namespace = choice.camera_namespace.empty() ? parent(cameraOf(topics.left))
+                                                            : withoutSlash(choice.camera_namespace);
+  return topics;
+}
+
+}  // namespace cbmv

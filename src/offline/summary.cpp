@@ -1,0 +1,83 @@
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "offline/conversion.h"
+
+namespace cbmv {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", value);
+  return text;
+}
+
+std::string count(std::size_t value, const std::string& what) {
+  return value == 0 ? std::string() : "  " + std::to_string(value) + " " + what + "\n";
+}
+
+double perFrame(double seconds, std::size_t frames) {
+  return frames > 0 ? seconds / static_cast<double>(frames) : 0;
+}
+
+double framesPerSecond(const ConversionSummary& summary) {
+  return summary.seconds > 0 ? static_cast<double>(summary.processed) / summary.seconds : 0;
+}
+
+}  // namespace
+
+std::string describeSummary(const ConversionSummary& summary) {
+  const FramePlan& plan = summary.plan;
+  std::string text = std::to_string(summary.resumed + summary.processed) + " of " +
+                     std::to_string(plan.frames.size()) + " frames done";
+  if (summary.resumed > 0) {
+    text += ", " + std::to_string(summary.resumed) + " of them earlier";
+  }
+  if (summary.processed > 0) {
+    text += "; " + number(framesPerSecond(summary)) + " frames/s, " +
+            number(1000 * perFrame(summary.matching_seconds, summary.processed)) +
+            " ms of matching a frame, " + std::to_string(summary.threads) + " threads";
+  }
+  text += "\n";
+  text += count(plan.left_alone, "left images have no partner on " + plan.topics.right.name);
+  text += count(plan.right_alone, "right images have no partner on " + plan.topics.left.name);
+  text += count(plan.repeated_stamps, "images repeat a stamp and were left out");
+  text += count(plan.infos_of_other_stamps, "frames took the camera_info nearest in time");
+  text += count(summary.failed, "frames failed");
+  for (const auto& [reason, frames] : summary.failures) {
+    text += "    " + std::to_string(frames) + " times: " + reason + "\n";
+  }
+  for (const std::string& damage : summary.damages) {
+    text += "  " + damage + "\n";
+  }
+  return text;
+}
+
+std::string summaryJson(const ConversionSummary& summary) {
+  const FramePlan& plan = summary.plan;
+  const nlohmann::json json = {
+      {"left_topic", plan.topics.left.name},
+      {"right_topic", plan.topics.right.name},
+      {"frames", plan.frames.size()},
+      {"frames_processed", summary.processed},
+      {"frames_resumed", summary.resumed},
+      {"frames_failed", summary.failed},
+      {"failures", summary.failures},
+      {"left_images", plan.left_images},
+      {"right_images", plan.right_images},
+      {"left_images_without_partner", plan.left_alone},
+      {"right_images_without_partner", plan.right_alone},
+      {"repeated_stamps", plan.repeated_stamps},
+      {"camera_infos_of_other_stamps", plan.infos_of_other_stamps},
+      {"damaged_bags", summary.damages},
+      {"complete", summary.isComplete()},
+      {"seconds", summary.seconds},
+      {"frames_per_second", framesPerSecond(summary)},
+      {"matching_ms", 1000 * perFrame(summary.matching_seconds, summary.processed)},
+      {"processor_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
+      {"threads", summary.threads}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace cbmv

@@ -1,0 +1,182 @@
+// Processes recordings of a stereo camera.
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "../progress_bar.h"
+#include "../run_tool.h"
+#include "offline/bag_check.h"
+#include "offline/conversion.h"
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+
+namespace cbmv {
+namespace {
+
+constexpr int kIncomplete = 3;  ///< exit status: done as far as possible, but not all
+volatile std::sig_atomic_t stop_requested = 0;
+
+struct Arguments {
+  ConversionOptions conversion;
+  std::string forest, preset, json;
+  std::optional<int> disparities, min_disparity, threads;
+  bool resume = false, overwrite = false;
+};
+
+/// Options win over the preset.
+StereoOptions readOptions(const Arguments& arguments) {
+  StereoOptions options;
+  if (!arguments.preset.empty()) {
+    readPreset(arguments.preset, options);
+  }
+  options.range.count = arguments.disparities.value_or(options.range.count);
+  options.range.min = arguments.min_disparity.value_or(options.range.min);
+  options.threads = arguments.threads.value_or(options.threads);
+  for (const std::string& correction : correctOptions(options)) {
+    std::fprintf(stderr, "cbmv_bag: %s\n", correction.c_str());
+  }
+  return options;
+}
+
+void writeJson(const std::string& path, const std::string& json) {
+  std::ofstream file(path);
+  file << json;
+  file.close();
+  if (!file) {
+    throw Error("cannot write " + path);
+  }
+}
+
+int convert(Arguments& arguments) {
+  ConversionOptions& options = arguments.conversion;
+  options.matching.stereo = readOptions(arguments);
+  options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
+                    : arguments.resume  ? EarlierParts::kResume
+                                        : EarlierParts::kRefuse;
+  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  ConversionSummary summary;
+  {
+    ProgressBar bar(stderr, isTerminal(stderr));
+    ConversionEvents events;
+    events.progress = [&](std::size_t done, std::size_t total) {
+      bar.show("frames", static_cast<int>(done), static_cast<int>(total), "");
+    };
+    events.should_stop = [] { return stop_requested != 0; };
+    summary = convertBags(options, forest, events);
+  }
+  if (summary.was_complete) {
+    std::printf("%s is complete already\n", options.output.c_str());
+    return 0;
+  }
+  std::fputs(describeSummary(summary).c_str(), stdout);
+  if (!arguments.json.empty()) {
+    writeJson(arguments.json, summaryJson(summary));
+  }
+  std::printf(summary.interrupted ? "%s is not complete; --resume goes on\n" : "wrote %s\n",
+              options.output.c_str());
+  return summary.isComplete() ? 0 : kIncomplete;
+}
+
+int check(Arguments& arguments) {
+  arguments.conversion.matching.stereo = readOptions(arguments);
+  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  const BagCheck found = checkBags(arguments.conversion, forest);
+  std::fputs(found.text.c_str(), stdout);
+  for (const std::string& problem : found.problems) {
+    std::printf("problem: %s\n", problem.c_str());
+  }
+  return found.problems.empty() ? 0 : kIncomplete;
+}
+
+void addInput(CLI::App& app, Arguments& arguments) {
+  ConversionOptions& options = arguments.conversion;
+  app.add_option("bags", options.inputs, "Bags of one recording, processed as one")->required();
+  app.add_option("--left", options.topics.left, "Topic of the left images");
+  app.add_option("--right", options.topics.right, "Topic of the right images");
+  app.add_option("--namespace", options.topics.camera_namespace,
+                 "Namespace of left/… and right/…, and of what is written");
+  app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
+                 "Between the images of a pair; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--start", options.plan.start_s, "Seconds of the recording that are left out")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", options.plan.duration_s, "Seconds to process; 0: to the end")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--every", options.plan.every, "Process one of so many pairs")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void addMatching(CLI::App& app, Arguments& arguments) {
+  MatchingOptions& options = arguments.conversion.matching;
+  app.add_option("--forest", arguments.forest, "File of the forest")->required();
+  app.add_option("--preset", arguments.preset, "YAML file of parameters; the options win over it");
+  app.add_option("--disparities", arguments.disparities, "Number of disparities, px")
+      ->check(CLI::Range(1, 4096));
+  app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px")
+      ->check(CLI::Range(-2048, 2048));
+  app.add_option("--min-confidence", options.min_confidence,
+                 "Pixels of a lower confidence have no disparity")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--allow-different-frame-ids", options.allow_different_frame_ids,
+               "Accept pairs whose images differ in frame_id");
+  app.add_option("--threads", arguments.threads, "0: as many as the machine has")
+      ->check(CLI::Range(0, 1024));
+}
+
+void addOutput(CLI::App& app, Arguments& arguments) {
+  ConversionOptions& options = arguments.conversion;
+  app.add_option("--output", options.output, "The bag to write")->required();
+  app.add_option("--write", options.outputs,
+                 "Outputs, separated by commas: disparity, depth, depth_raw, camera_info, "
+                 "confidence, valid_mask, disparity_color, cloud")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--compression", options.compression, "Of the output: none, lz4 or bz2")
+      ->capture_default_str();
+  app.add_flag("--copy", options.copy, "Copy the other topics");
+  app.add_flag("--resume", arguments.resume, "Go on where an earlier run was stopped or killed");
+  app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
+  app.add_option("--frames-per-part", options.frames_per_part,
+                 "A run that is killed loses at most so many frames")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", arguments.json, "File for the summary");
+}
+
+}  // namespace
+}  // namespace cbmv
+
+int main(int argc, char** argv) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int) { cbmv::stop_requested = 1; });
+  }
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+
+  // By hand: CLI11 would ask the subcommand for the options that processing requires.
+  const bool check = argc > 1 && std::string(argv[1]) == "check";
+  CLI::App app{check ? "Looks at the recording of a stereo camera: pairs, calibration, cost"
+                     : "Disparity, depth and clouds for the recording of a stereo camera"};
+  cbmv::Arguments arguments;
+  cbmv::addInput(app, arguments);
+  cbmv::addMatching(app, arguments);
+  if (!check) {
+    cbmv::addOutput(app, arguments);
+    app.footer("`cbmv_bag check BAG...` looks at a recording and processes nothing.");
+  }
+  int status = 0;
+  const int refusal =
+      cbmv::runTool(app, check ? argc - 1 : argc, check ? argv + 1 : argv, "cbmv_bag",
+                    [&] { status = check ? cbmv::check(arguments) : cbmv::convert(arguments); });
+  return refusal != 0 ? refusal : status;
+}

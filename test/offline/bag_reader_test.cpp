@@ -1,0 +1,118 @@
+#include "offline/bag_reader.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "recording.h"
+#include "support/error_text.h"
+#include "support/file_content.h"
+
+namespace cbmv {
+namespace {
+
+Content contentByReader(const std::string& path) {
+  const BagReader reader(path);
+  Content content;
+  for (const BagEntry& entry : reader.entries()) {
+    const RawMessage raw = reader.read(entry);
+    content.emplace_back(raw.connection->topic, entry.time.toSec(),
+                         std::string(raw.data, raw.data + raw.size));
+  }
+  return content;
+}
+
+void sortContent(Content& content) { std::sort(content.begin(), content.end()); }
+
+class BagReaderTest : public testing::TestWithParam<rosbag::CompressionType> {
+ protected:
+  TemporaryFolder folder_;
+  std::string path_ = writeRecording(folder_.file("in.bag"), 5, nullptr, GetParam());
+};
+
+TEST_P(BagReaderTest, ReadsWhatRosbagReads) {
+  Content expected = messagesOf(path_);
+  Content content = contentByReader(path_);
+  ASSERT_EQ(content.size(), 20U);
+  sortContent(expected);
+  sortContent(content);
+  EXPECT_TRUE(content == expected);
+  EXPECT_EQ(BagReader(path_).damage(), "");
+}
+
+TEST_P(BagReaderTest, KnowsStampsAndTypes) {
+  const BagReader reader(path_);
+  for (const BagEntry& entry : reader.entries()) {
+    EXPECT_NEAR((entry.time - entry.stamp).toSec(), 0.02, 1e-9);
+  }
+  ASSERT_EQ(reader.connections().size(), 4U);
+  for (const auto& connection : reader.connections()) {
+    EXPECT_THAT(connection->type, testing::StartsWith("sensor_msgs/"));
+    EXPECT_EQ(connection->md5.size(), 32U);
+    EXPECT_FALSE(connection->definition.empty());
+  }
+}
+
+/// However much is cut off, what is read was in the bag, in its order; the more is left, the more
+/// is read.
+TEST_P(BagReaderTest, ReadsTheBeginningOfTruncatedBags) {
+  const Content whole = contentByReader(path_);
+  const std::string bytes = contentOf(path_);
+  std::size_t known = 0;
+  for (std::size_t size = 4200; size < bytes.size(); size += 1777) {
+    const std::string cut = folder_.write("cut.bag", bytes.substr(0, size));
+    const Content content = contentByReader(cut);
+    EXPECT_GE(content.size(), known) << size;
+    known = content.size();
+    ASSERT_LE(content.size(), whole.size());
+    EXPECT_TRUE(std::equal(content.begin(), content.end(), whole.begin())) << size;
+    EXPECT_NE(BagReader(cut).damage(), "") << size;
+  }
+  EXPECT_EQ(known, whole.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Compression, BagReaderTest,
+                         testing::Values(rosbag::compression::Uncompressed,
+                                         rosbag::compression::LZ4, rosbag::compression::BZ2));
+
+/// A bag that is still being recorded: what rosbag has on the disk before it closes the bag.
+TEST(BagReader, ReadsBagsThatAreStillBeingRecorded) {
+  const TemporaryFolder folder;
+  const std::string active = folder.file("in.bag.active");
+  rosbag::Bag bag(active, rosbag::bagmode::Write);
+  bag.setChunkThreshold(20000);
+  for (int frame = 0; frame < 5; ++frame) {
+    writeFrame(bag, recordedFrame(frame));
+  }
+  const BagReader reader(active);
+  EXPECT_GE(reader.entries().size(), 12U);
+  EXPECT_THAT(reader.damage(), testing::HasSubstr("in.bag.active"));
+  EXPECT_THAT(reader.damage(), testing::HasSubstr("rosbag reindex"));
+}
+
+TEST(BagReader, RefusesWhatIsNoBag) {
+  const TemporaryFolder folder;
+  for (const char* content : {"", "#ROSBAG V1.2\nabc", "P5 3 4"}) {
+    const std::string path = folder.write("no.bag", content);
+    EXPECT_THAT(errorText([&] { BagReader{path}; }), testing::HasSubstr("no.bag is no bag"));
+  }
+  EXPECT_THAT(errorText([&] { BagReader{folder.file("none.bag")}; }),
+              testing::HasSubstr("none.bag: No such file"));
+}
+
+TEST(BagReader, NamesADamagedChunk) {
+  const TemporaryFolder folder;
+  const std::string path =
+      writeRecording(folder.file("in.bag"), 5, nullptr, rosbag::compression::BZ2);
+  std::string bytes = contentOf(path);
+  const std::size_t packed = bytes.find("BZh");
+  ASSERT_NE(packed, std::string::npos);
+  bytes.replace(packed + 40, 8, "damaged!");
+  const BagReader reader(folder.write("damaged.bag", bytes));
+  EXPECT_THAT(reader.damage(), testing::HasSubstr("cannot be unpacked"));
+  EXPECT_GE(reader.entries().size(), 1U);
+}
+
+}  // namespace
+}  // namespace cbmv

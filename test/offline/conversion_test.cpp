@@ -1,0 +1,446 @@
+#include "offline/conversion.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <boost/make_shared.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <image_geometry/pinhole_camera_model.h>
+#include <opencv2/imgcodecs.hpp>
+#include <sensor_msgs/CompressedImage.h>
+#include <std_msgs/String.h>
+
+#include "offline/frame_outputs.h"
+#include "recording.h"
+#include "ros/stereo_processor.h"
+#include "support/error_text.h"
+
+namespace cbmv {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ConversionTest : public testing::Test {
+ protected:
+  ConversionSummary convert(const ConversionOptions& options) {
+    return convertBags(options, forest_, {});
+  }
+  ProcessedFrame processLive(const PairMessages& messages) {
+    StereoProcessor processor(forest_, options_.matching.stereo, false);
+    return processor.process(messages.asConst(), {});
+  }
+  std::string disparityLive(const PairMessages& messages) {
+    const ProcessedFrame frame = processLive(messages);
+    return bytesOf(toDisparityImage(frame.result, frame.geometry, frame.disparity_step_px,
+                                    messages.left_image->header));
+  }
+  std::vector<stereo_msgs::DisparityImagePtr> disparities(const std::string& path) {
+    return readTopic<stereo_msgs::DisparityImage>(path, "/stereo/disparity");
+  }
+
+  TemporaryFolder folder_;
+  std::string input_ = folder_.file("in.bag");
+  std::string output_ = folder_.file("out.bag");
+  ConversionOptions options_ = conversionOf(input_, output_);
+  std::shared_ptr<const Forest> forest_ = fixtureForest();
+};
+
+TEST_F(ConversionTest, WritesWhatTheLiveNodePublishes) {
+  writeRecording(input_, 4);
+  options_.outputs = {"disparity", "depth", "confidence", "cloud"};
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.isComplete());
+  EXPECT_EQ(summary.processed, 4U);
+  const Content content = messagesOf(output_);
+  ASSERT_EQ(content.size(), 16U);
+  for (int index = 0; index < 4; ++index) {
+    const PairMessages messages = recordedFrame(index);
+    const ProcessedFrame frame = processLive(messages);
+    const std_msgs::Header& header = messages.left_image->header;
+    cv::Mat color;
+    cv::cvtColor(frame.left_grey, color, cv::COLOR_GRAY2BGR);
+    const CloudSource cloud{toValidDisparity(frame.result, frame.geometry), color, {}};
+    const std::map<std::string, std::string> expected = {
+        {"/stereo/disparity", disparityLive(messages)},
+        {"/stereo/depth", bytesOf(toDepthImage(frame.result, frame.geometry, header))},
+        {"/stereo/confidence", bytesOf(toConfidenceImage(frame.result, header))},
+        {"/stereo/points2", bytesOf(toPointCloud(cloud, frame.geometry, {}, header))}};
+    for (int i = 4 * index; i < 4 * index + 4; ++i) {
+      const auto& [topic, time, bytes] = content[static_cast<std::size_t>(i)];
+      EXPECT_TRUE(bytes == expected.at(topic)) << topic << " of frame " << index;
+      EXPECT_NEAR(time, header.stamp.toSec() + 0.02, 1e-9);
+    }
+  }
+}
+
+TEST_F(ConversionTest, EveryOutputCanBeAskedFor) {
+  writeRecording(input_, 1);
+  options_.outputs = offlineOutputNames();
+  convert(options_);
+  EXPECT_EQ(messagesOf(output_).size(), offlineOutputNames().size());
+  options_.outputs = {"disparity", "flow"};
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"'flow'", "disparity, depth"}));
+}
+
+TEST_F(ConversionTest, ThreadsChangeNothing) {
+  writeRecording(input_, 7);
+  options_.matching.stereo.threads = 1;
+  convert(options_);
+  options_.output = folder_.file("many.bag");
+  options_.matching.stereo.threads = 4;
+  convert(options_);
+  EXPECT_EQ(messagesOf(output_).size(), 7U);
+  EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
+}
+
+TEST_F(ConversionTest, CountsWhatHasNoPartner) {
+  const PairMessages late = recordedFrame(20);
+  const PairMessages lone = recordedFrame(30);
+  writeRecording(input_, 3, [&](rosbag::Bag& bag) {
+    late.right_image->header.stamp += ros::Duration(0.01);
+    writeFrame(bag, late);
+    bag.write("/stereo/right/image_rect", ros::Time(104), lone.right_image);
+    bag.write("/stereo/left/image_rect", ros::Time(105), recordedFrame(1).left_image);
+  });
+  const ConversionSummary exact = convert(options_);
+  EXPECT_EQ(exact.processed, 3U);
+  EXPECT_EQ(exact.plan.left_alone, 1U);
+  EXPECT_EQ(exact.plan.right_alone, 2U);
+  EXPECT_EQ(exact.plan.repeated_stamps, 1U);
+  EXPECT_NEAR(exact.plan.smallest_gap_s, 0.01, 1e-6);
+
+  options_.earlier = EarlierParts::kOverwrite;
+  options_.plan.max_stamp_difference_s = 0.05;
+  const ConversionSummary close = convert(options_);
+  EXPECT_EQ(close.processed, 4U);
+  EXPECT_EQ(close.plan.left_alone, 0U);
+  EXPECT_EQ(close.plan.infos_of_other_stamps, 1U);
+  EXPECT_EQ(bytesOf(*disparities(output_).back()), disparityLive(recordedFrame(20)));
+}
+
+TEST_F(ConversionTest, TakesAPartOfTheRecording) {
+  writeRecording(input_, 10);
+  options_.plan.start_s = 0.15;  // recorded every 0.1 s
+  options_.plan.duration_s = 0.6;
+  options_.plan.every = 2;
+  convert(options_);
+  const auto found = disparities(output_);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_NEAR(found[0]->header.stamp.toSec(), 100.2, 1e-6);
+  EXPECT_NEAR(found[2]->header.stamp.toSec(), 100.6, 1e-6);
+}
+
+TEST_F(ConversionTest, SplitRecordingsAreOne) {
+  writeRecording(input_, 2);
+  const std::string second = folder_.file("second.bag");
+  rosbag::Bag bag(second, rosbag::bagmode::Write);
+  writeFrame(bag, recordedFrame(2));
+  bag.close();
+  options_.inputs = {second, input_};
+  EXPECT_EQ(convert(options_).processed, 3U);
+  EXPECT_EQ(disparities(output_).front()->header.stamp, ros::Time(100));
+}
+
+TEST_F(ConversionTest, CopiesTheOtherTopics) {
+  std_msgs::String word;
+  word.data = "word";
+  const auto fill = [&](rosbag::Bag& bag) {
+    bag.write("/words", ros::Time(100.15), word);
+    bag.write("/words", ros::Time(101), word);
+  };
+  writeRecording(input_, 3, fill);
+  options_.copy = true;
+  options_.compression = "lz4";
+  convert(options_);
+  const Content content = messagesOf(output_);
+  Content copied;
+  std::copy_if(content.begin(), content.end(), std::back_inserter(copied),
+               [](const auto& message) { return std::get<0>(message) != "/stereo/disparity"; });
+  Content expected = messagesOf(input_);
+  std::sort(copied.begin(), copied.end());
+  std::sort(expected.begin(), expected.end());
+  EXPECT_TRUE(copied == expected);
+  EXPECT_EQ(content.size(), expected.size() + 3);
+  EXPECT_TRUE(std::is_sorted(content.begin(), content.end(), [](const auto& a, const auto& b) {
+    return std::get<1>(a) < std::get<1>(b);
+  }));
+}
+
+sensor_msgs::CompressedImage compress(const sensor_msgs::Image& image, const std::string& kind,
+                                      const std::string& format) {
+  sensor_msgs::CompressedImage message;
+  message.header = image.header;
+  message.format = format;
+  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC1,
+                       const_cast<std::uint8_t*>(image.data.data()));
+  cv::imencode(kind, pixels, message.data);
+  return message;
+}
+
+void writeCompressed(const std::string& path, const PairMessages& messages,
+                     const std::string& kind) {
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  const ros::Time time = messages.left_image->header.stamp;
+  const std::string format = "mono8; " + kind.substr(1) + " compressed ";
+  bag.write("/cam/left/image_rect/compressed", time, compress(*messages.left_image, kind, format));
+  bag.write("/cam/right/image_rect/compressed", time,
+            compress(*messages.right_image, kind, format));
+  bag.write("/cam/left/camera_info", time, messages.left_info);
+  bag.write("/cam/right/camera_info", time, messages.right_info);
+}
+
+TEST_F(ConversionTest, ReadsCompressedImages) {
+  const PairMessages messages = recordedFrame(0);
+  writeCompressed(input_, messages, ".png");
+  convert(options_);
+  const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/cam/disparity");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(bytesOf(*found[0]), disparityLive(messages));
+
+  PairMessages lossy = recordedFrame(0);
+  for (const auto& image : {lossy.left_image, lossy.right_image}) {
+    const cv::Mat pixels =
+        cv::imdecode(compress(*image, ".jpg", "jpeg").data, cv::IMREAD_GRAYSCALE);
+    image->data.assign(pixels.data, pixels.data + pixels.total());
+  }
+  options_.earlier = EarlierParts::kOverwrite;
+  writeCompressed(input_, messages, ".jpg");
+  convert(options_);
+  const auto of_jpeg = readTopic<stereo_msgs::DisparityImage>(output_, "/cam/disparity");
+  EXPECT_EQ(bytesOf(*of_jpeg.at(0)), disparityLive(lossy));
+}
+
+TEST(DecompressImage, KeepsBayerAndNamesWhatIsBroken) {
+  const PairMessages messages = recordedFrame(0);
+  const auto bayer =
+      decompressImage(compress(*messages.left_image, ".png", "bayer_rggb8; png compressed "), "t");
+  EXPECT_EQ(bayer->encoding, "bayer_rggb8");
+  EXPECT_EQ(bayer->data, messages.left_image->data);
+  sensor_msgs::CompressedImage broken;
+  broken.format = "jpeg";
+  for (const auto& bytes : {std::vector<std::uint8_t>{}, std::vector<std::uint8_t>(40, 7)}) {
+    broken.data = bytes;
+    EXPECT_TRUE(mentions(errorText([&] { decompressImage(broken, "/t"); }), {"/t", "'jpeg'"}));
+  }
+}
+
+/// Lenses that bend; the right one is turned.
+void bendLens(sensor_msgs::CameraInfo& info, double angle) {
+  info.distortion_model = "plumb_bob";
+  info.D = {-0.2, 0.05, 0.001, -0.002, 0};
+  info.K = {110, 0, 48, 0, 111, 32, 0, 0, 1};
+  info.R = {std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)};
+}
+
+TEST_F(ConversionTest, RectifiesRawImages) {
+  PairMessages messages = recordedFrame(0);
+  messages.right_image->encoding = "8UC1";
+  bendLens(*messages.left_info, 0);
+  bendLens(*messages.right_info, 0.01);
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  const ros::Time time(100);
+  bag.write("/left/image_raw", time, messages.left_image);
+  bag.write("/right/image_raw", time, messages.right_image);
+  bag.write("/left/camera_info", time, messages.left_info);
+  bag.write("/right/camera_info", time, messages.right_info);
+  bag.close();
+  options_.matching.stereo.rectification.enabled = false;
+  convert(options_);
+
+  const auto rectify = [](sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info) {
+    image_geometry::PinholeCameraModel camera;
+    camera.fromCameraInfo(info);
+    const cv::Mat raw(64, 96, CV_8UC1, image.data.data());
+    cv::Mat rectified;
+    camera.rectifyImage(raw, rectified);
+    ASSERT_GT(cv::countNonZero(raw != rectified), 1000);
+    image.data.assign(rectified.data, rectified.data + rectified.total());
+  };
+  rectify(*messages.left_image, *messages.left_info);
+  rectify(*messages.right_image, *messages.right_info);
+  const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/disparity");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(bytesOf(*found[0]), disparityLive(messages));
+}
+
+TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
+  PairMessages messages = recordedFrame(0);
+  bendLens(*messages.left_info, 0);
+  bendLens(*messages.right_info, 0);
+  const cv::Mat blue(64, 96, CV_8UC3, cv::Scalar(200, 100, 0));
+  const std_msgs::Header header = messages.left_image->header;
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  for (const std::string side : {"left", "right"}) {
+    const bool left = side == "left";
+    bag.write("/" + side + "/image_raw", header.stamp, makeImage(blue, "bgr8", header));
+    bag.write("/" + side + "/camera_info", header.stamp,
+              left ? messages.left_info : messages.right_info);
+  }
+  bag.close();
+  options_.outputs = {"cloud"};
+  options_.matching.stereo.range = {2, 3};  // nothing to see: any disparity will do
+  convert(options_);
+  const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
+  ASSERT_EQ(clouds.size(), 1U);
+  const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
+  EXPECT_EQ(center[0], 200);
+  EXPECT_EQ(center[1], 100);
+  EXPECT_EQ(center[2], 0);
+}
+
+TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
+  const PairMessages messages = recordedFrame(0);
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  bag.write("/mono/image_raw", ros::Time(1), messages.left_image);
+  bag.close();
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+                       {"in.bag", "no stereo pair", "/mono/image_raw  sensor_msgs/Image  1"}));
+  options_.topics = {"/mono/image_raw", "/mono/image_raw", ""};
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"/mono/camera_info is missing"}));
+  options_.topics = {"/mono/image_raw", "", ""};
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--left and --right"}));
+  EXPECT_FALSE(fs::exists(output_ + ".part.json"));
+}
+
+TEST_F(ConversionTest, ChoosesAmongCameras) {
+  const PairMessages messages = recordedFrame(0);
+  writeRecording(input_, 2, [&](rosbag::Bag& bag) {
+    for (const std::string side : {"left", "right"}) {
+      const bool left = side == "left";
+      bag.write("/rear/" + side + "/image_rect", ros::Time(100),
+                left ? messages.left_image : messages.right_image);
+      bag.write("/rear/" + side + "/camera_info", ros::Time(100),
+                left ? messages.left_info : messages.right_info);
+    }
+  });
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--namespace", "/rear", "/stereo"}));
+  options_.topics.camera_namespace = "rear/";
+  EXPECT_EQ(convert(options_).processed, 1U);
+  EXPECT_EQ(std::get<0>(messagesOf(output_).at(0)), "/rear/disparity");
+}
+
+TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
+  PairMessages bad = recordedFrame(2, {80, 64});
+  bad.right_image = recordedFrame(2).right_image;
+  writeRecording(input_, 2, [&](rosbag::Bag& bag) {
+    writeFrame(bag, bad);
+    writeFrame(bag, recordedFrame(3));
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_EQ(summary.failed, 1U);
+  EXPECT_FALSE(summary.isComplete());
+  ASSERT_EQ(summary.failures.size(), 1U);
+  EXPECT_TRUE(mentions(describeSummary(summary), {"1 frames failed", "differ in size"}));
+  ASSERT_EQ(disparities(output_).size(), 3U);
+  EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
+}
+
+TEST_F(ConversionTest, ProcessesWhatIsReadableOfATruncatedBag) {
+  writeRecording(input_, 6);
+  fs::resize_file(input_, fs::file_size(input_) * 6 / 10);
+  const ConversionSummary summary = convert(options_);
+  EXPECT_GE(summary.processed, 2U);
+  EXPECT_LT(summary.processed, 6U);
+  EXPECT_FALSE(summary.isComplete());
+  EXPECT_TRUE(mentions(describeSummary(summary), {"in.bag", "rosbag reindex"}));
+  EXPECT_EQ(bytesOf(*disparities(output_).at(1)), disparityLive(recordedFrame(1)));
+}
+
+TEST_F(ConversionTest, StopsAndResumesWithTheSameContent) {
+  writeRecording(input_, 8);
+  convert(options_);
+  options_.output = folder_.file("resumed.bag");
+  int asked = 0;
+  ConversionEvents events;
+  events.should_stop = [&] { return ++asked > 5; };
+  const ConversionSummary stopped = convertBags(options_, forest_, events);
+  EXPECT_TRUE(stopped.interrupted);
+  EXPECT_EQ(stopped.processed, 5U);
+  EXPECT_FALSE(fs::exists(options_.output));
+
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"resumed.bag", "--resume"}));
+  options_.earlier = EarlierParts::kResume;
+  options_.matching.stereo.sgm.p2 += 1;
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"other options", "--overwrite"}));
+  options_.matching.stereo.sgm.p2 -= 1;
+  const ConversionSummary resumed = convert(options_);
+  EXPECT_EQ(resumed.resumed, 5U);
+  EXPECT_EQ(resumed.processed, 3U);
+  EXPECT_TRUE(resumed.isComplete());
+  EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
+  EXPECT_EQ(std::distance(fs::directory_iterator(fs::path(output_).parent_path()), {}), 3)
+      << "parts are left";
+  EXPECT_TRUE(convert(options_).was_complete);
+}
+
+/// The offset comes from a frame that was done before the run was stopped.
+TEST_F(ConversionTest, ResumesWithTheSameVerticalOffset) {
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  for (int index = 0; index < 6; ++index) {
+    StereoPair pair = renderPair({320, 240}, 5, 11, static_cast<std::uint64_t>(index) + 1);
+    const int rows = 2 + index % 2;  // what the first pair of a second has, counts
+    pair.right = pair.right(cv::Rect(0, rows, 320, 236)).clone();
+    pair.left = pair.left(cv::Rect(0, 0, 320, 236)).clone();
+    writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100 + 0.3 * index)));
+  }
+  bag.close();
+  convert(options_);
+  const std::string whole = output_;
+  for (const int frames : {1, 2, 5}) {
+    options_.output = folder_.file("stopped" + std::to_string(frames) + ".bag");
+    options_.earlier = EarlierParts::kRefuse;
+    int asked = 0;
+    ConversionEvents events;
+    events.should_stop = [&] { return ++asked > frames; };
+    EXPECT_TRUE(convertBags(options_, forest_, events).interrupted);
+    options_.earlier = EarlierParts::kResume;
+    convert(options_);
+    EXPECT_TRUE(messagesOf(options_.output) == messagesOf(whole)) << frames;
+  }
+  options_.output = folder_.file("each.bag");
+  options_.earlier = EarlierParts::kRefuse;
+  options_.matching.stereo.rectification.interval_s = 0;
+  convert(options_);
+  EXPECT_FALSE(messagesOf(options_.output) == messagesOf(whole)) << "nothing depends on offsets";
+}
+
+TEST_F(ConversionTest, RefusesToReplaceABag) {
+  writeRecording(input_, 1);
+  std::ofstream(output_) << "precious";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"out.bag exists", "--overwrite"}));
+  options_.output = folder_.file("none/out.bag");
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"folder does not exist"}));
+}
+
+TEST_F(ConversionTest, SummaryIsJsonWithTheCounts) {
+  writeRecording(input_, 2);
+  EXPECT_TRUE(mentions(summaryJson(convert(options_)),
+                       {"\"frames_processed\": 2", "\"complete\": true", "\"frames_failed\": 0"}));
+}
+
+TEST(Segments, KeepAllFramesOfAFullDisk) {
+  const TemporaryFolder folder;
+  const std::string output = folder.file("out.bag");
+  std_msgs::String word;
+  std::uint64_t free_bytes = std::uint64_t{1} << 30;
+  {
+    Segments segments(output, "origin", EarlierParts::kRefuse,
+                      [&](const std::string&) { return free_bytes; });
+    for (int frame = 0; frame < 4; ++frame) {
+      segments.write({toRawMessage(word, "/words")}, ros::Time(1 + frame));
+    }
+    free_bytes = 1000;
+    EXPECT_TRUE(
+        mentions(errorText([&] { segments.write({toRawMessage(word, "/words")}, ros::Time(9)); }),
+                 {"out.bag", "full", "4 frames are kept", "--resume"}));
+    EXPECT_TRUE(mentions(errorText([&] { Segments(output, "origin", EarlierParts::kResume); }),
+                         {"another process"}));
+  }
+  const Segments resumed(output, "origin", EarlierParts::kResume);
+  ASSERT_EQ(resumed.framesDone(), 4U);
+  EXPECT_EQ(messagesOf(resumed.paths().at(0)).size(), 4U);
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
+#include "offline/conversion.h"
+#include "ros/forest_fixture.h"
+#include "ros/stereo_pair.h"
+#include "support/temporary_folder.h"
+
+namespace cbmv {
+
+/// The messages of frame `index` of a recording: each has a scene of its own.
+inline PairMessages recordedFrame(int index, cv::Size size = {96, 64}) {
+  return makeMessages(renderPair(size, 3, 8, static_cast<std::uint64_t>(index) + 1), Rig{},
+                      ros::Time(100 + 0.1 * index));
+}
+
+inline void writeFrame(rosbag::Bag& bag, const PairMessages& messages) {
+  const ros::Time time = messages.left_image->header.stamp + ros::Duration(0.02);
+  bag.write("/stereo/left/image_rect", time, messages.left_image);
+  bag.write("/stereo/left/camera_info", time, messages.left_info);
+  bag.write("/stereo/right/image_rect", time, messages.right_image);
+  bag.write("/stereo/right/camera_info", time, messages.right_info);
+}
+
+/// Writes a bag; `fill` may add more.
+inline std::string writeRecording(
+    const std::string& path, int frames, const std::function<void(rosbag::Bag&)>& fill = nullptr,
+    rosbag::CompressionType compression = rosbag::compression::Uncompressed) {
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  bag.setCompression(compression);
+  bag.setChunkThreshold(20000);  // several chunks also in small bags
+  for (int frame = 0; frame < frames; ++frame) {
+    writeFrame(bag, recordedFrame(frame));
+  }
+  if (fill) {
+    fill(bag);
+  }
+  bag.close();
+  return path;
+}
+
+inline std::shared_ptr<const Forest> fixtureForest() {
+  return std::make_shared<const Forest>(makeForestFixture());
+}
+
+inline ConversionOptions conversionOf(const std::string& input, const std::string& output) {
+  ConversionOptions options;
+  options.inputs = {input};
+  options.output = output;
+  options.frames_per_part = 3;
+  options.matching.stereo.range = {0, 16};
+  options.matching.stereo.threads = 2;
+  return options;
+}
+
+/// Topic, time and bytes of every message, as rosbag reads them.
+using Content = std::vector<std::tuple<std::string, double, std::string>>;
+
+inline Content messagesOf(const std::string& path) {
+  rosbag::Bag bag(path, rosbag::bagmode::Read);
+  Content content;
+  for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
+    std::string bytes(message.size(), '\0');
+    ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()),
+                                       message.size());
+    message.write(stream);
+    content.emplace_back(message.getTopic(), message.getTime().toSec(), bytes);
+  }
+  return content;
+}
+
+template <typename Message>
+std::string bytesOf(const Message& message) {
+  const RawMessage raw = toRawMessage(message, "");
+  return std::string(raw.data, raw.data + raw.size);
+}
+
+/// The messages on a topic.
+template <typename Message>
+std::vector<boost::shared_ptr<Message>> readTopic(const std::string& path,
+                                                  const std::string& topic) {
+  rosbag::Bag bag(path, rosbag::bagmode::Read);
+  std::vector<boost::shared_ptr<Message>> messages;
+  for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
+    messages.push_back(message.instantiate<Message>());
+  }
+  return messages;
+}
+
+}  // namespace cbmv
