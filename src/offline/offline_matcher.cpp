@@ -4,8 +4,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "cbmv_stereo/pipeline/memory.h"
-
 namespace cbmv {
 
 OfflineMatcher::OfflineMatcher(std::shared_ptr<const Forest> forest, const MatchingOptions& options)
@@ -45,13 +43,7 @@ void OfflineMatcher::adaptTo(cv::Size image_size) {
   if (image_size == adapted_size_) {
     return;
   }
-  StereoOptions options = options_.stereo;
-  options.range = clipRange(options_.stereo.range, image_size.width);
-  const std::string refusal = memoryRefusal(image_size, options);
-  if (!refusal.empty()) {
-    throw InputError(InputFault::kMemory, refusal);
-  }
-  matcher_.setOptions(options);
+  matcher_.setOptions(optionsFor(image_size, options_.stereo));
   adapted_size_ = image_size;
 }
 

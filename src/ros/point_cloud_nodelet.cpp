@@ -8,6 +8,7 @@
 
 #include "ros/cloud_parameters.h"
 #include "ros/conversions.h"
+#include "ros/start_nodelet.h"
 
 namespace cbmv {
 namespace {
@@ -31,13 +32,8 @@ void takeFocalLengthAndBaseline(const stereo_msgs::DisparityImage& disparity,
 PointCloudNodelet::~PointCloudNodelet() { stop(); }
 
 void PointCloudNodelet::onInit() {
-  try {
-    initialize();
-  } catch (const std::exception& error) {
-    NODELET_FATAL("cannot start: %s", error.what());
-    stop();  // nodelet::Loader frees the callback queues before it frees a nodelet that threw
-    throw;
-  }
+  startNodelet(
+      getName(), [this] { initialize(); }, [this] { stop(); });
 }
 
 void PointCloudNodelet::initialize() {

@@ -10,6 +10,7 @@
 
 #include "ros/cloud_parameters.h"
 #include "ros/parameter_server.h"
+#include "ros/start_nodelet.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
@@ -32,13 +33,8 @@ StereoTopics toTopics(const std::array<std::string, 4>& names) {
 StereoNodelet::~StereoNodelet() { stop(); }
 
 void StereoNodelet::onInit() {
-  try {
-    initialize();
-  } catch (const std::exception& error) {
-    NODELET_FATAL("cannot start: %s", error.what());
-    stop();  // nodelet::Loader frees the callback queues before it frees a nodelet that threw
-    throw;
-  }
+  startNodelet(
+      getName(), [this] { initialize(); }, [this] { stop(); });
 }
 
 void StereoNodelet::stop() {

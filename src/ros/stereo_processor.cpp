@@ -31,6 +31,17 @@ DisparityRange clipRange(const DisparityRange& range, int image_width) {
   return {lowest, highest - lowest + 1};
 }
 
+StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
+                         const std::string& prefix) {
+  StereoOptions options = wanted;
+  options.range = clipRange(wanted.range, image_size.width);
+  const std::string refusal = memoryRefusal(image_size, options);
+  if (!refusal.empty()) {
+    throw InputError(InputFault::kMemory, prefix + refusal);
+  }
+  return options;
+}
+
 StereoProcessor::StereoProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options,
                                  bool allow_different_frame_ids)
     : allow_different_frame_ids_(allow_different_frame_ids),
@@ -76,12 +87,7 @@ void StereoProcessor::takeNewOptions() {
 }
 
 void StereoProcessor::adaptTo(cv::Size image_size, const std::string& image_topic) {
-  StereoOptions options = options_;
-  options.range = clipRange(options_.range, image_size.width);
-  const std::string refusal = memoryRefusal(image_size, options);
-  if (!refusal.empty()) {
-    throw InputError(InputFault::kMemory, image_topic + ": " + refusal);
-  }
+  const StereoOptions options = optionsFor(image_size, options_, image_topic + ": ");
   range_correction_.clear();
   if (options.range.count != options_.range.count) {
     range_correction_ = "disparity_range is " + std::to_string(options_.range.count) +

@@ -29,6 +29,11 @@ struct ProcessedFrame {
 /// are none.
 DisparityRange clipRange(const DisparityRange& range, int image_width);
 
+/// The options `wanted`, with the range clipped to images of that size. Throws InputError, whose
+/// sentence begins with `prefix` where that is about memory, if the images cannot be matched so.
+StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
+                         const std::string& prefix = "");
+
 /// The method on a stream of messages: checks and converts, tracks the vertical offset, matches.
 class StereoProcessor {
  public:
