@@ -20,6 +20,8 @@ constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
 constexpr const char* kProbability = "probability";
 constexpr std::streamoff kLargestFile = 64 << 20;
+constexpr int kIndentation = 1;
+constexpr int kOneLine = -1;
 
 [[noreturn]] void fail(const std::string& file, const std::string& fault) {
   throw Error("forest " + file + ": " + fault);
@@ -350,8 +352,14 @@ void writeForest(const Forest& forest, const std::string& path) {
                      {"provenance", provenanceToJson(forest.provenance)},
                      {"checksum", checksum(model)},
                      {"model", model}};
+  // Indented, the millions of nodes of general trees take more than twice the space.
+  const std::string text = json.dump(forest.general_trees.empty() ? kIndentation : kOneLine);
+  if (text.size() >= static_cast<std::size_t>(kLargestFile)) {
+    fail(path, "would have " + std::to_string(text.size() >> 20) +
+                   " MiB, and 64 MiB are read at most; grow fewer trees, or more samples a leaf");
+  }
   std::ofstream file(path, std::ios::binary);
-  file << json.dump(1) << '\n';
+  file << text << '\n';
   file.close();
   if (!file) {
     fail(path, "cannot be written");

@@ -162,6 +162,18 @@ std::string refusalToWrite(const Forest& forest) {
   }
 }
 
+TEST(ForestFile, RefusesToWriteMoreThanIsRead) {
+  Forest forest = makeForest(1, 1, 1);
+  forest.provenance.options = std::string(64 << 20, 'x');
+  EXPECT_THAT(refusalToWrite(forest), AllOf(HasSubstr("refused"), HasSubstr("64 MiB")));
+}
+
+TEST(ForestFile, GeneralTreesTakeNoMoreThanTheirNumbers) {
+  const Forest forest = makeGeneralForest(5, 4000, 1);
+  writeForest(forest, pathOf("compact"));
+  EXPECT_LT(contentOf(pathOf("compact")).size(), 5 * 8001 * 15U);
+}
+
 TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
   const auto changed = [](const auto& change) {
     Forest forest = makeGeneralForest(3, 10, 2);

@@ -14,7 +14,8 @@ Forest readForest(const std::string& path);
 /// The same from the text of the file; `file_name` is for the forest's name and for messages.
 Forest parseForest(const std::string& text, const std::string& file_name);
 
-/// Throws Error if the file cannot be written.
+/// Throws Error if the file cannot be written, or could not be read again: see validateForest, and
+/// the size of 64 MiB.
 void writeForest(const Forest& forest, const std::string& path);
 
 /// The checksum that the file holds: eight digits that change with the forest's answers.
