@@ -121,13 +121,14 @@ void addNoise(cv::Mat& image, double sigma, int seed) {
 cv::Mat rightImage(const std::vector<Surface>& all, const cv::Size& size,
                    const RenderOptions& options) {
   cv::Mat image(size, CV_64FC1);
-  // dy = base + vertical_slope_y · row of the left image, solved for that row.
+  // dy = base + along_rows · row of the left image, solved for that row.
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
-      const double base = options.vertical_offset +
-                          options.vertical_slope_x * (x - 0.5 * (size.width - 1)) -
-                          options.vertical_slope_y * 0.5 * (size.height - 1);
-      const double y_left = (y - base) / (1.0 + options.vertical_slope_y);
+      const double column = x - 0.5 * (size.width - 1);
+      const double along_rows = options.vertical_slope_y + options.vertical_twist * column;
+      const double base = options.vertical_offset + options.vertical_slope_x * column -
+                          along_rows * 0.5 * (size.height - 1);
+      const double y_left = (y - base) / (1.0 + along_rows);
       const Surface& surface = seenByRight(all, x, y_left);
       const double brightness = surface.texture.at(surface.leftColumn(x, y_left), y_left);
       image.at<double>(y, x) = options.right_gain * brightness + options.right_offset;

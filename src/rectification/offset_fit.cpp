@@ -10,28 +10,31 @@ namespace {
 
 constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
 constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
-constexpr double kMinSpread = 0.2;       // determinant of three matches that fix a model
-constexpr double kSignificance = 16.27;  // chi-square, 3 degrees of freedom, 99.9 %
+constexpr double kMinSpread = 0.2;       // determinant of as few matches as fix a model
+constexpr double kSignificance = 18.47;  // chi-square, 4 degrees of freedom, 99.9 %
 constexpr double kBiasPx = 0.015;        // px; what sub-pixel matches of a pair have in common
 constexpr double kTukey = 4.685;         // scales from which on a match has no weight
 
-/// Columns: 1, x and y in halves of the image, so that all parameters are in px.
+constexpr int kParameters = VerticalOffset::kParameters;
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
+
+/// Columns: 1, x, y and xy, with x and y in halves of the image, so that all parameters are in px.
 struct LinearFit {
-  Eigen::MatrixX3d design;
+  Eigen::Matrix<double, Eigen::Dynamic, kParameters> design;
   Eigen::VectorXd dy;
   Eigen::VectorXd weights;
-  Eigen::Vector3d parameters = Eigen::Vector3d::Zero();
+  Parameters parameters = Parameters::Zero();
   double scale = 0.0;  ///< robust standard deviation of the residuals, px
 
   Eigen::VectorXd residuals() const { return dy - design * parameters; }
 
-  /// Σ w a aᵀ, and what is known of the slopes before: matches in one corner must not send the
-  /// opposite corner astray.
-  Eigen::Matrix3d normalMatrix(const Eigen::VectorXd& match_weights) const {
-    Eigen::Matrix3d normal = design.transpose() * match_weights.asDiagonal() * design;
-    const double prior = scale * scale / (kSlopePrior * kSlopePrior);
-    normal(1, 1) += prior;
-    normal(2, 2) += prior;
+  /// Σ w a aᵀ, and what is known of slopes and twist before: matches in one corner must not send
+  /// the opposite corner astray.
+  ParameterMatrix normalMatrix(const Eigen::VectorXd& match_weights) const {
+    ParameterMatrix normal = design.transpose() * match_weights.asDiagonal() * design;
+    normal.diagonal().tail<kParameters - 1>().array() +=
+        scale * scale / (kSlopePrior * kSlopePrior);
     return normal;
   }
 
@@ -43,12 +46,13 @@ struct LinearFit {
 LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& size) {
   const auto count = static_cast<Eigen::Index>(matches.size());
   LinearFit fit;
-  fit.design.resize(count, 3);
+  fit.design.resize(count, kParameters);
   fit.dy.resize(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const SparseMatch& match = matches[static_cast<std::size_t>(i)];
-    fit.design.row(i) << 1.0, 2.0 * match.x_right / (size.width - 1) - 1.0,
-        2.0 * match.y_left / (size.height - 1) - 1.0;
+    const double x = 2.0 * match.x_right / (size.width - 1) - 1.0;
+    const double y = 2.0 * match.y_left / (size.height - 1) - 1.0;
+    fit.design.row(i) << 1.0, x, y, x * y;
     fit.dy[i] = match.dy;
   }
   fit.weights = Eigen::VectorXd::Ones(count);
@@ -64,17 +68,17 @@ double robustScale(const Eigen::VectorXd& residuals) {
   return std::max(1.4826 * *middle, kMinScale);
 }
 
-/// Least median of squares: of the models through three matches, the one with the smallest scale.
-/// Half of the matches may be wrong, and agree with each other, without moving it.
-Eigen::Vector3d leastMedianModel(const LinearFit& fit) {
-  constexpr int samples = 300;
+/// Least median of squares: of the models through as few matches as fix one, that with the smallest
+/// scale. Half of the matches may be wrong, and agree with each other, without moving it.
+Parameters leastMedianModel(const LinearFit& fit) {
+  constexpr int samples = 600;
   cv::RNG rng(1);  // always the same samples: the estimate is deterministic
-  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  Parameters best = Parameters::Zero();
   double best_scale = robustScale(fit.dy);
   for (int i = 0; i < samples; ++i) {
-    Eigen::Matrix3d design;
-    Eigen::Vector3d dy;
-    for (int j = 0; j < 3; ++j) {
+    ParameterMatrix design;
+    Parameters dy;
+    for (int j = 0; j < kParameters; ++j) {
       const int match = rng.uniform(0, static_cast<int>(fit.dy.size()));
       design.row(j) = fit.design.row(match);
       dy[j] = fit.dy[match];
@@ -82,7 +86,7 @@ Eigen::Vector3d leastMedianModel(const LinearFit& fit) {
     if (std::abs(design.determinant()) < kMinSpread) {
       continue;
     }
-    const Eigen::Vector3d model = design.inverse() * dy;
+    const Parameters model = design.inverse() * dy;
     const double scale = robustScale(fit.dy - fit.design * model);
     if (scale < best_scale) {
       best = model;
@@ -104,15 +108,15 @@ double tukeySlope(double residual) {
 }
 
 /// Of the parameters, see fitVerticalOffset.
-Eigen::Matrix3d covarianceOf(const LinearFit& fit) {
+ParameterMatrix covarianceOf(const LinearFit& fit) {
   const Eigen::VectorXd scaled = fit.residuals() / fit.scale;
   const Eigen::VectorXd influence = fit.scale * scaled.cwiseProduct(scaled.unaryExpr(&tukeyWeight));
-  const Eigen::Matrix3d inverse = fit.normalMatrix(scaled.unaryExpr(&tukeySlope)).inverse();
-  const Eigen::Matrix3d spread =
+  const ParameterMatrix inverse = fit.normalMatrix(scaled.unaryExpr(&tukeySlope)).inverse();
+  const ParameterMatrix spread =
       fit.design.transpose() * influence.cwiseAbs2().asDiagonal() * fit.design;
   const double count = (fit.weights.array() > 0.0).count();
-  return inverse * spread * inverse * (count / std::max(count - 3.0, 1.0)) +
-         kBiasPx * kBiasPx * Eigen::Matrix3d::Identity();
+  return inverse * spread * inverse * (count / std::max(count - kParameters, 1.0)) +
+         kBiasPx * kBiasPx * ParameterMatrix::Identity();
 }
 
 void fitRobustly(LinearFit& fit) {
@@ -126,7 +130,7 @@ void fitRobustly(LinearFit& fit) {
   }
 }
 
-VerticalOffset toModel(const LinearFit& fit, const Eigen::Matrix3d& covariance,
+VerticalOffset toModel(const LinearFit& fit, const ParameterMatrix& covariance,
                        const cv::Size& size) {
   const double per_column = 2.0 / (size.width - 1);
   const double per_row = 2.0 / (size.height - 1);
@@ -134,9 +138,11 @@ VerticalOffset toModel(const LinearFit& fit, const Eigen::Matrix3d& covariance,
   model.offset_px = fit.parameters[0];
   model.slope_x = per_column * fit.parameters[1];
   model.slope_y = per_row * fit.parameters[2];
+  model.twist = per_column * per_row * fit.parameters[3];
   model.offset_sigma_px = std::sqrt(covariance(0, 0));
   model.slope_x_sigma = per_column * std::sqrt(covariance(1, 1));
   model.slope_y_sigma = per_row * std::sqrt(covariance(2, 2));
+  model.twist_sigma = per_column * per_row * std::sqrt(covariance(3, 3));
   model.residual_px = fit.scale;
   model.matches = static_cast<int>((fit.weights.array() > 0.0).count());
   return model;
@@ -154,7 +160,7 @@ VerticalOffsetMeasurement fitVerticalOffset(const std::vector<SparseMatch>& matc
                                             cv::Size size) {
   LinearFit fit = linearSystem(matches, size);
   fitRobustly(fit);
-  const Eigen::Matrix3d covariance = covarianceOf(fit);
+  const ParameterMatrix covariance = covarianceOf(fit);
   VerticalOffsetMeasurement measurement;
   measurement.model = toModel(fit, covariance, size);
   measurement.is_significant =

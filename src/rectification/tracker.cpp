@@ -90,6 +90,7 @@ void RectificationTracker::blend(const VerticalOffset& estimate) {
   model_.offset_px = mix(old.offset_px, estimate.offset_px);
   model_.slope_x = mix(old.slope_x, estimate.slope_x);
   model_.slope_y = mix(old.slope_y, estimate.slope_y);
+  model_.twist = mix(old.twist, estimate.twist);
   if (model_.rootMeanSquare(size_) < options_.min_correction_px) {
     model_.clearCorrection();
   }

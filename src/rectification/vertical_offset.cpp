@@ -88,20 +88,25 @@ bool RectificationOptions::operator==(const RectificationOptions& other) const {
 }
 
 double VerticalOffset::at(double x, double y, cv::Size size) const {
-  return offset_px + slope_x * (x - 0.5 * (size.width - 1)) +
-         slope_y * (y - 0.5 * (size.height - 1));
+  const double u = x - 0.5 * (size.width - 1);
+  const double v = y - 0.5 * (size.height - 1);
+  return offset_px + slope_x * u + slope_y * v + twist * u * v;
 }
 
 double VerticalOffset::rootMeanSquare(cv::Size size) const {
-  const double x = 0.5 * slope_x * (size.width - 1);
-  const double y = 0.5 * slope_y * (size.height - 1);
-  return std::sqrt(offset_px * offset_px + (x * x + y * y) / 3.0);
+  const double half_width = 0.5 * (size.width - 1);
+  const double half_height = 0.5 * (size.height - 1);
+  const double x = slope_x * half_width;
+  const double y = slope_y * half_height;
+  const double xy = twist * half_width * half_height;
+  return std::sqrt(offset_px * offset_px + (x * x + y * y) / 3.0 + xy * xy / 9.0);
 }
 
 void VerticalOffset::clearCorrection() {
   offset_px = 0.0;
   slope_x = 0.0;
   slope_y = 0.0;
+  twist = 0.0;
 }
 
 VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::Mat& right,
@@ -112,7 +117,7 @@ VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::M
     return {};
   }
   const std::vector<SparseMatch> matches = findSparseMatches(left, right, range, options);
-  const int min_matches = std::max(options.min_matches, 3);
+  const int min_matches = std::max(options.min_matches, VerticalOffset::kParameters);
   if (static_cast<int>(matches.size()) < min_matches) {
     return {};
   }

@@ -261,6 +261,7 @@ void StereoDiagnostics::describeRectification(Status& status, ros::SteadyTime) c
   status.add("its standard error (px)", number(model.offset_sigma_px, 3));
   status.add("slope along x (px per px)", number(model.slope_x, 6));
   status.add("slope along y (px per px)", number(model.slope_y, 6));
+  status.add("twist (px per px and px)", number(model.twist, 9));
   status.add("rms before correction (px)", number(measurement.rms_before_px, 3));
   status.add("rms after correction (px)", number(measurement.rms_after_px, 3));
   status.add("matches", model.matches);

@@ -16,10 +16,12 @@ struct Truth {
   double offset = 0.7;
   double slope_x = 0.004;
   double slope_y = -0.003;
+  double twist = 2e-5;
 
   double at(double x, double y) const {
-    return offset + slope_x * (x - 0.5 * (kSize.width - 1)) +
-           slope_y * (y - 0.5 * (kSize.height - 1));
+    const double u = x - 0.5 * (kSize.width - 1);
+    const double v = y - 0.5 * (kSize.height - 1);
+    return offset + slope_x * u + slope_y * v + twist * u * v;
   }
 };
 
@@ -37,42 +39,45 @@ std::vector<SparseMatch> drawMatches(int count, int wrong, double sigma_px, cv::
   return matches;
 }
 
-/// Errors of offset and slopes (at the border of the image) and what the fit says of them, in px.
+/// Errors of offset, slopes and twist (at the border of the image) and what the fit says of them,
+/// in px.
 struct Errors {
-  std::array<double, 3> error;
-  std::array<double, 3> sigma;
+  std::array<double, VerticalOffset::kParameters> error;
+  std::array<double, VerticalOffset::kParameters> sigma;
 };
 
 Errors errorsOf(const VerticalOffset& model) {
   const double half_width = 0.5 * (kSize.width - 1);
   const double half_height = 0.5 * (kSize.height - 1);
   const Truth truth;
-  return {
-      {model.offset_px - truth.offset, half_width * (model.slope_x - truth.slope_x),
-       half_height * (model.slope_y - truth.slope_y)},
-      {model.offset_sigma_px, half_width * model.slope_x_sigma, half_height * model.slope_y_sigma}};
+  return {{model.offset_px - truth.offset, half_width * (model.slope_x - truth.slope_x),
+           half_height * (model.slope_y - truth.slope_y),
+           half_width * half_height * (model.twist - truth.twist)},
+          {model.offset_sigma_px, half_width * model.slope_x_sigma,
+           half_height * model.slope_y_sigma, half_width * half_height * model.twist_sigma}};
 }
 
 /// Monte Carlo: the errors scatter as the fit says, and 3 standard deviations hold nearly all.
 void expectHonestSigmas(int count, int wrong, double sigma_px) {
   constexpr int trials = 400;
   cv::RNG random(7);
-  std::array<double, 3> squares{};
-  std::array<double, 3> stated{};
+  std::array<double, VerticalOffset::kParameters> squares{};
+  std::array<double, VerticalOffset::kParameters> stated{};
   int outside = 0;
   for (int trial = 0; trial < trials; ++trial) {
     const auto measurement = fitVerticalOffset(drawMatches(count, wrong, sigma_px, random), kSize);
     const Errors errors = errorsOf(measurement.model);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < VerticalOffset::kParameters; ++i) {
       squares[i] += errors.error[i] * errors.error[i];
       stated[i] += errors.sigma[i] * errors.sigma[i] - kBiasPx * kBiasPx;
       outside += std::abs(errors.error[i]) > 3.0 * errors.sigma[i] ? 1 : 0;
     }
   }
-  for (int i = 0; i < 3; ++i) {  // a standard deviation from 400 errors is known to 3.5 %
+  for (int i = 0; i < VerticalOffset::kParameters;
+       ++i) {  // a standard deviation from 400 errors is known to 3.5 %
     EXPECT_NEAR(std::sqrt(stated[i] / squares[i]), 1.0, 0.12) << "parameter " << i;
   }
-  EXPECT_LE(outside, trials * 3 / 100);
+  EXPECT_LE(outside, trials * VerticalOffset::kParameters / 100);
 }
 
 TEST(FitVerticalOffset, StandardDeviationsAreThoseOfAMonteCarlo) { expectHonestSigmas(80, 0, 0.3); }

@@ -47,6 +47,7 @@ TEST(RectificationTracker, DeliversTheEstimateAfterAWhile) {
   const VerticalOffset expected = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   EXPECT_EQ(model.offset_px, expected.offset_px);
   EXPECT_EQ(model.slope_x, expected.slope_x);
+  EXPECT_EQ(model.twist, expected.twist);
   EXPECT_EQ(model.matches, expected.matches);
 }
 

@@ -18,11 +18,13 @@ namespace {
 const DisparityRange kRange{0, 32};
 
 double offsetOf(const RenderOptions& options, double x, double y, const cv::Size& size) {
-  return options.vertical_offset + options.vertical_slope_x * (x - 0.5 * (size.width - 1)) +
-         options.vertical_slope_y * (y - 0.5 * (size.height - 1));
+  const double u = x - 0.5 * (size.width - 1);
+  const double v = y - 0.5 * (size.height - 1);
+  return options.vertical_offset + options.vertical_slope_x * u + options.vertical_slope_y * v +
+         options.vertical_twist * u * v;
 }
 
-/// Largest difference between the model and what was rendered: at a corner, as both are linear.
+/// Largest difference between the model and what was rendered: at a corner, as both are bilinear.
 double largestError(const VerticalOffset& model, const RenderOptions& options,
                     const cv::Size& size) {
   double largest = 0.0;
@@ -34,11 +36,12 @@ double largestError(const VerticalOffset& model, const RenderOptions& options,
   return largest;
 }
 
-RenderOptions misaligned(double offset, double slope_x, double slope_y) {
+RenderOptions misaligned(double offset, double slope_x, double slope_y, double twist = 0.0) {
   RenderOptions options;
   options.vertical_offset = offset;
   options.vertical_slope_x = slope_x;
   options.vertical_slope_y = slope_y;
+  options.vertical_twist = twist;
   return options;
 }
 
@@ -53,7 +56,7 @@ void expectNoEstimate(const VerticalOffset& model) {
   EXPECT_EQ(model.matches, 0);
 }
 
-TEST(VerticalOffset, IsLinearAboutTheImageCentre) {
+TEST(VerticalOffset, IsBilinearAboutTheImageCentre) {
   VerticalOffset model;
   model.offset_px = 1.5;
   model.slope_x = 0.01;
@@ -62,6 +65,9 @@ TEST(VerticalOffset, IsLinearAboutTheImageCentre) {
   EXPECT_DOUBLE_EQ(model.at(50, 25, size), 1.5);
   EXPECT_DOUBLE_EQ(model.at(100, 25, size), 2.0);
   EXPECT_DOUBLE_EQ(model.at(50, 0, size), 2.0);
+  model.twist = 0.001;
+  EXPECT_DOUBLE_EQ(model.at(50, 0, size), 2.0);
+  EXPECT_DOUBLE_EQ(model.at(100, 50, size), 1.5 + 0.5 - 0.5 + 1.25);
   double squares = 0.0;
   for (int y = 0; y < 51 * 8; ++y) {
     for (int x = 0; x < 101 * 8; ++x) {
@@ -73,12 +79,13 @@ TEST(VerticalOffset, IsLinearAboutTheImageCentre) {
   EXPECT_TRUE(model.isZero());
 }
 
-TEST(EstimateVerticalOffset, RecoversShiftShearAndScale) {
+TEST(EstimateVerticalOffset, RecoversShiftShearScaleAndTwist) {
   const cv::Size size(351, 263);
   int seed = 0;
   for (const RenderOptions& options :
        {misaligned(0.6, 0.0, 0.0), misaligned(-2.3, 0.0, 0.0), misaligned(0.0, 0.006, 0.0),
-        misaligned(0.0, 0.0, -0.008), misaligned(-1.3, -0.005, 0.004)}) {
+        misaligned(0.0, 0.0, -0.008), misaligned(-1.3, -0.005, 0.004),
+        misaligned(0.0, 0.0, 0.0, 5e-5), misaligned(0.4, 0.002, 0.003, -4e-5)}) {
     const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
     const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
     EXPECT_LT(largestError(model, options, size), 0.05);
@@ -89,22 +96,25 @@ TEST(EstimateVerticalOffset, RecoversShiftShearAndScale) {
   }
 }
 
-/// Parameters in px: offset, and slopes at the border of the image.
+/// Parameters in px: offset, and slopes and twist at the border of the image.
 TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
   const cv::Size size(351, 263);
   int seed = 10;
   for (const double offset : {-2.3, 0.05, 0.35}) {
     for (const double slope : {-0.006, 0.0, 0.002}) {
-      const RenderOptions options = misaligned(offset, slope, 0.5 * slope);
+      const double twist = 0.01 * slope;
+      const RenderOptions options = misaligned(offset, slope, 0.5 * slope, twist);
       const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
       const VerticalOffset model = measureVerticalOffset(scene.left, scene.right, kRange, {}).model;
       SCOPED_TRACE(testing::Message() << "offset " << offset << ", slope " << slope);
       EXPECT_NEAR(model.offset_px, offset, 3.0 * model.offset_sigma_px);
       EXPECT_NEAR(model.slope_x, slope, 3.0 * model.slope_x_sigma);
       EXPECT_NEAR(model.slope_y, 0.5 * slope, 3.0 * model.slope_y_sigma);
+      EXPECT_NEAR(model.twist, twist, 3.0 * model.twist_sigma);
       EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a bound that says something
       EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2));
       EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2));
+      EXPECT_LT(3.0 * model.twist_sigma, 0.1 / (size.width / 2) / (size.height / 2));
     }
   }
 }
@@ -235,6 +245,7 @@ TEST(EstimateVerticalOffset, IsDeterministic) {
   EXPECT_EQ(first.offset_px, second.offset_px);
   EXPECT_EQ(first.slope_x, second.slope_x);
   EXPECT_EQ(first.slope_y, second.slope_y);
+  EXPECT_EQ(first.twist, second.twist);
   EXPECT_EQ(first.matches, second.matches);
 }
 
@@ -269,6 +280,7 @@ TEST(AlignRightRows, ResamplesAlongTheColumns) {
   model.offset_px = -1.75;
   model.slope_x = 0.02;
   model.slope_y = 0.05;
+  model.twist = 0.002;
   for (const cv::Size size : {cv::Size(47, 31), cv::Size(1, 9), cv::Size(23, 1)}) {
     const cv::Mat image = noise(size, 9);
     const cv::Mat aligned = alignRightRows(image, model);
@@ -302,7 +314,7 @@ TEST(AlignRightRows, ColourIsAlignedLikeGrey) {
 
 TEST(AlignRightRows, UndoesWhatWasEstimated) {
   const RenderedScene straight = renderScene(351, 263, 6);
-  const RenderedScene scene = renderScene(351, 263, 6, misaligned(1.4, 0.004, -0.003));
+  const RenderedScene scene = renderScene(351, 263, 6, misaligned(1.4, 0.004, -0.003, 3e-5));
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   const cv::Mat aligned = alignRightRows(scene.right, model);
   EXPECT_TRUE(estimateVerticalOffset(scene.left, aligned, kRange, {}).isZero());

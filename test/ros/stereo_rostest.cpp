@@ -342,6 +342,7 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   EXPECT_NEAR(watched.offset_px, 1, 3 * watched.offset_sigma_px);
   EXPECT_NEAR(watched.slope_x, 0, 3 * watched.slope_x_sigma);
   EXPECT_NEAR(watched.slope_y, 0, 3 * watched.slope_y_sigma);
+  EXPECT_NEAR(watched.twist, 0, 3 * watched.twist_sigma);
   EXPECT_NEAR(watched.rms_before_px, 1, 0.1);
   EXPECT_LT(watched.rms_after_px, 0.2);
   EXPECT_TRUE(watched.is_corrected);
@@ -350,6 +351,7 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   offset.offset_px = status.vertical_offset_px;
   offset.slope_x = status.vertical_offset_slope_x;
   offset.slope_y = status.vertical_offset_slope_y;
+  offset.twist = status.vertical_offset_twist;
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
   expectAll(sent, expectedResult(pair_, options_, offset), grey);

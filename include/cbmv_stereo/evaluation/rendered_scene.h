@@ -20,6 +20,7 @@ struct RenderOptions {
                                   ///< image centre
   double vertical_slope_x = 0.0;  ///< px more per column of the right image
   double vertical_slope_y = 0.0;  ///< px more per row of the left image
+  double vertical_twist = 0.0;    ///< px more per column of the right and row of the left image
 };
 
 /// Renders a scene of textured planes: a slanted background (about 2 to 5 px of disparity) and six

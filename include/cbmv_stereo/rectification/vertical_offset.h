@@ -21,18 +21,24 @@ struct RectificationOptions {
   bool operator!=(const RectificationOptions& other) const { return !(*this == other); }
 };
 
-/// The vertical misalignment that is left in a rectified pair, as a linear model
-///   dy(x, y) = offset_px + slope_x (x − (W−1)/2) + slope_y (y − (H−1)/2),
+/// The vertical misalignment that is left in a rectified pair, as a bilinear model
+///   dy(x, y) = offset_px + slope_x u + slope_y v + twist u v,  u = x − (W−1)/2, v = y − (H−1)/2,
 /// dy = row of a point in the right image minus its row in the left image. x is the column of the
 /// point in the RIGHT image and y its row in the LEFT one: exactly what resampling the right image
-/// needs, whatever the disparity.
+/// needs, whatever the disparity. To first order a camera that was turned pitches the offset, rolls
+/// slope_x and pans the twist (Longuet-Higgins & Prazdny 1980: dy = f a + c u + (b/f) u v, but for
+/// (a/f) v², which is small); slope_y is a difference in focal length.
 struct VerticalOffset {
+  static constexpr int kParameters = 4;
+
   double offset_px = 0.0;
   double slope_x = 0.0;          ///< px per column
   double slope_y = 0.0;          ///< px per row
+  double twist = 0.0;            ///< px per column and row
   double offset_sigma_px = 0.0;  ///< standard deviation of offset_px, see fitVerticalOffset
   double slope_x_sigma = 0.0;    ///< standard deviation of slope_x, px per column
   double slope_y_sigma = 0.0;    ///< standard deviation of slope_y, px per row
+  double twist_sigma = 0.0;      ///< standard deviation of twist, px per column and row
   double residual_px = 0.0;      ///< robust standard deviation of dy about the model
   int matches = 0;               ///< matches that agree with the model; 0 when there is no estimate
 
@@ -46,7 +52,9 @@ struct VerticalOffset {
   void clearCorrection();
 
   /// Whether the model corrects nothing.
-  bool isZero() const { return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0; }
+  bool isZero() const {
+    return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0 && twist == 0.0;
+  }
 };
 
 /// What one pair tells of the vertical offset, whether it is worth correcting or not.
