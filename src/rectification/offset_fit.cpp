@@ -11,15 +11,17 @@ namespace {
 constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
 constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
 constexpr double kMinSpread = 0.2;       // determinant of as few matches as fix a model
-constexpr double kSignificance = 18.47;  // chi-square, 4 degrees of freedom, 99.9 %
+constexpr double kSignificance = 22.46;  // chi-square, 6 degrees of freedom, 99.9 %
 constexpr double kBiasPx = 0.015;        // px; what sub-pixel matches of a pair have in common
 constexpr double kTukey = 4.685;         // scales from which on a match has no weight
 
 constexpr int kParameters = VerticalOffset::kParameters;
+constexpr int kBilinear = 4;  // of them: without curvatures
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
 
-/// Columns: 1, x, y and xy, with x and y in halves of the image, so that all parameters are in px.
+/// Columns: 1, x, y, xy, x² and y², with x and y in halves of the image, so that all parameters are
+/// in px.
 struct LinearFit {
   Eigen::Matrix<double, Eigen::Dynamic, kParameters> design;
   Eigen::VectorXd dy;
@@ -29,7 +31,7 @@ struct LinearFit {
 
   Eigen::VectorXd residuals() const { return dy - design * parameters; }
 
-  /// Σ w a aᵀ, and what is known of slopes and twist before: matches in one corner must not send
+  /// Σ w a aᵀ, and what is known of all but the offset before: matches in one corner must not send
   /// the opposite corner astray.
   ParameterMatrix normalMatrix(const Eigen::VectorXd& match_weights) const {
     ParameterMatrix normal = design.transpose() * match_weights.asDiagonal() * design;
@@ -52,7 +54,7 @@ LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& 
     const SparseMatch& match = matches[static_cast<std::size_t>(i)];
     const double x = 2.0 * match.x_right / (size.width - 1) - 1.0;
     const double y = 2.0 * match.y_left / (size.height - 1) - 1.0;
-    fit.design.row(i) << 1.0, x, y, x * y;
+    fit.design.row(i) << 1.0, x, y, x * y, x * x, y * y;
     fit.dy[i] = match.dy;
   }
   fit.weights = Eigen::VectorXd::Ones(count);
@@ -68,7 +70,7 @@ double robustScale(const Eigen::VectorXd& residuals) {
   return std::max(1.4826 * *middle, kMinScale);
 }
 
-/// Least median of squares: of the models through as few matches as fix one, that with the smallest
+/// Least median of squares: of the bilinear models through four matches, the one with the smallest
 /// scale. Half of the matches may be wrong, and agree with each other, without moving it.
 Parameters leastMedianModel(const LinearFit& fit) {
   constexpr int samples = 600;
@@ -76,17 +78,18 @@ Parameters leastMedianModel(const LinearFit& fit) {
   Parameters best = Parameters::Zero();
   double best_scale = robustScale(fit.dy);
   for (int i = 0; i < samples; ++i) {
-    ParameterMatrix design;
-    Parameters dy;
-    for (int j = 0; j < kParameters; ++j) {
+    Eigen::Matrix<double, kBilinear, kBilinear> design;
+    Eigen::Matrix<double, kBilinear, 1> dy;
+    for (int j = 0; j < kBilinear; ++j) {
       const int match = rng.uniform(0, static_cast<int>(fit.dy.size()));
-      design.row(j) = fit.design.row(match);
+      design.row(j) = fit.design.row(match).head<kBilinear>();
       dy[j] = fit.dy[match];
     }
     if (std::abs(design.determinant()) < kMinSpread) {
       continue;
     }
-    const Parameters model = design.inverse() * dy;
+    Parameters model = Parameters::Zero();
+    model.head<kBilinear>() = design.inverse() * dy;
     const double scale = robustScale(fit.dy - fit.design * model);
     if (scale < best_scale) {
       best = model;
@@ -139,10 +142,14 @@ VerticalOffset toModel(const LinearFit& fit, const ParameterMatrix& covariance,
   model.slope_x = per_column * fit.parameters[1];
   model.slope_y = per_row * fit.parameters[2];
   model.twist = per_column * per_row * fit.parameters[3];
+  model.curvature_x = per_column * per_column * fit.parameters[4];
+  model.curvature_y = per_row * per_row * fit.parameters[5];
   model.offset_sigma_px = std::sqrt(covariance(0, 0));
   model.slope_x_sigma = per_column * std::sqrt(covariance(1, 1));
   model.slope_y_sigma = per_row * std::sqrt(covariance(2, 2));
   model.twist_sigma = per_column * per_row * std::sqrt(covariance(3, 3));
+  model.curvature_x_sigma = per_column * per_column * std::sqrt(covariance(4, 4));
+  model.curvature_y_sigma = per_row * per_row * std::sqrt(covariance(5, 5));
   model.residual_px = fit.scale;
   model.matches = static_cast<int>((fit.weights.array() > 0.0).count());
   return model;

@@ -91,6 +91,8 @@ void RectificationTracker::blend(const VerticalOffset& estimate) {
   model_.slope_x = mix(old.slope_x, estimate.slope_x);
   model_.slope_y = mix(old.slope_y, estimate.slope_y);
   model_.twist = mix(old.twist, estimate.twist);
+  model_.curvature_x = mix(old.curvature_x, estimate.curvature_x);
+  model_.curvature_y = mix(old.curvature_y, estimate.curvature_y);
   if (model_.rootMeanSquare(size_) < options_.min_correction_px) {
     model_.clearCorrection();
   }

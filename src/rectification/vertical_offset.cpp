@@ -90,7 +90,7 @@ bool RectificationOptions::operator==(const RectificationOptions& other) const {
 double VerticalOffset::at(double x, double y, cv::Size size) const {
   const double u = x - 0.5 * (size.width - 1);
   const double v = y - 0.5 * (size.height - 1);
-  return offset_px + slope_x * u + slope_y * v + twist * u * v;
+  return offset_px + (slope_x + curvature_x * u) * u + (slope_y + curvature_y * v + twist * u) * v;
 }
 
 double VerticalOffset::rootMeanSquare(cv::Size size) const {
@@ -99,14 +99,20 @@ double VerticalOffset::rootMeanSquare(cv::Size size) const {
   const double x = slope_x * half_width;
   const double y = slope_y * half_height;
   const double xy = twist * half_width * half_height;
-  return std::sqrt(offset_px * offset_px + (x * x + y * y) / 3.0 + xy * xy / 9.0);
+  const double xx = curvature_x * half_width * half_width;
+  const double yy = curvature_y * half_height * half_height;
+  const double mean = offset_px + (xx + yy) / 3.0;
+  return std::sqrt(mean * mean + (x * x + y * y) / 3.0 + xy * xy / 9.0 +
+                   (xx * xx + yy * yy) * 4.0 / 45.0);
 }
 
 void VerticalOffset::clearCorrection() {
-  offset_px = 0.0;
-  slope_x = 0.0;
-  slope_y = 0.0;
-  twist = 0.0;
+  offset_px = slope_x = slope_y = twist = curvature_x = curvature_y = 0.0;
+}
+
+bool VerticalOffset::isZero() const {
+  return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0 && twist == 0.0 &&
+         curvature_x == 0.0 && curvature_y == 0.0;
 }
 
 VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::Mat& right,

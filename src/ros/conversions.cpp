@@ -162,6 +162,8 @@ cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
   status.vertical_offset_slope_x = result.rectification.slope_x;
   status.vertical_offset_slope_y = result.rectification.slope_y;
   status.vertical_offset_twist = result.rectification.twist;
+  status.vertical_offset_curvature_x = result.rectification.curvature_x;
+  status.vertical_offset_curvature_y = result.rectification.curvature_y;
   status.vertical_offset_sigma_px = result.rectification.offset_sigma_px;
   status.vertical_offset_residual_px = result.rectification.residual_px;
   status.vertical_offset_matches = result.rectification.matches;
@@ -186,10 +188,14 @@ cbmv_stereo::Rectification toRectification(const RectificationState& state,
   message.slope_x = model.slope_x;
   message.slope_y = model.slope_y;
   message.twist = model.twist;
+  message.curvature_x = model.curvature_x;
+  message.curvature_y = model.curvature_y;
   message.offset_sigma_px = model.offset_sigma_px;
   message.slope_x_sigma = model.slope_x_sigma;
   message.slope_y_sigma = model.slope_y_sigma;
   message.twist_sigma = model.twist_sigma;
+  message.curvature_x_sigma = model.curvature_x_sigma;
+  message.curvature_y_sigma = model.curvature_y_sigma;
   message.rms_px = model.rootMeanSquare(result.disparity.size());
   message.rms_before_px = state.measurement.rms_before_px;
   message.rms_after_px = state.measurement.rms_after_px;

@@ -262,6 +262,8 @@ void StereoDiagnostics::describeRectification(Status& status, ros::SteadyTime) c
   status.add("slope along x (px per px)", number(model.slope_x, 6));
   status.add("slope along y (px per px)", number(model.slope_y, 6));
   status.add("twist (px per px and px)", number(model.twist, 9));
+  status.add("curvature along x (px per px and px)", number(model.curvature_x, 9));
+  status.add("curvature along y (px per px and px)", number(model.curvature_y, 9));
   status.add("rms before correction (px)", number(measurement.rms_before_px, 3));
   status.add("rms after correction (px)", number(measurement.rms_after_px, 3));
   status.add("matches", model.matches);

@@ -17,11 +17,14 @@ struct Truth {
   double slope_x = 0.004;
   double slope_y = -0.003;
   double twist = 2e-5;
+  double curvature_x = -1e-5;
+  double curvature_y = 3e-5;
 
   double at(double x, double y) const {
     const double u = x - 0.5 * (kSize.width - 1);
     const double v = y - 0.5 * (kSize.height - 1);
-    return offset + slope_x * u + slope_y * v + twist * u * v;
+    return offset + slope_x * u + slope_y * v + twist * u * v + curvature_x * u * u +
+           curvature_y * v * v;
   }
 };
 
@@ -39,7 +42,7 @@ std::vector<SparseMatch> drawMatches(int count, int wrong, double sigma_px, cv::
   return matches;
 }
 
-/// Errors of offset, slopes and twist (at the border of the image) and what the fit says of them,
+/// Errors of the parameters (at the border of the image) and what the fit says of them,
 /// in px.
 struct Errors {
   std::array<double, VerticalOffset::kParameters> error;
@@ -52,9 +55,13 @@ Errors errorsOf(const VerticalOffset& model) {
   const Truth truth;
   return {{model.offset_px - truth.offset, half_width * (model.slope_x - truth.slope_x),
            half_height * (model.slope_y - truth.slope_y),
-           half_width * half_height * (model.twist - truth.twist)},
+           half_width * half_height * (model.twist - truth.twist),
+           half_width * half_width * (model.curvature_x - truth.curvature_x),
+           half_height * half_height * (model.curvature_y - truth.curvature_y)},
           {model.offset_sigma_px, half_width * model.slope_x_sigma,
-           half_height * model.slope_y_sigma, half_width * half_height * model.twist_sigma}};
+           half_height * model.slope_y_sigma, half_width * half_height * model.twist_sigma,
+           half_width * half_width * model.curvature_x_sigma,
+           half_height * half_height * model.curvature_y_sigma}};
 }
 
 /// Monte Carlo: the errors scatter as the fit says, and 3 standard deviations hold nearly all.

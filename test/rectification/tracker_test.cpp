@@ -48,6 +48,8 @@ TEST(RectificationTracker, DeliversTheEstimateAfterAWhile) {
   EXPECT_EQ(model.offset_px, expected.offset_px);
   EXPECT_EQ(model.slope_x, expected.slope_x);
   EXPECT_EQ(model.twist, expected.twist);
+  EXPECT_EQ(model.curvature_x, expected.curvature_x);
+  EXPECT_EQ(model.curvature_y, expected.curvature_y);
   EXPECT_EQ(model.matches, expected.matches);
 }
 

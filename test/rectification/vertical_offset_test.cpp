@@ -21,27 +21,32 @@ double offsetOf(const RenderOptions& options, double x, double y, const cv::Size
   const double u = x - 0.5 * (size.width - 1);
   const double v = y - 0.5 * (size.height - 1);
   return options.vertical_offset + options.vertical_slope_x * u + options.vertical_slope_y * v +
-         options.vertical_twist * u * v;
+         options.vertical_twist * u * v + options.vertical_curvature_x * u * u +
+         options.vertical_curvature_y * v * v;
 }
 
-/// Largest difference between the model and what was rendered: at a corner, as both are bilinear.
+/// Largest difference between the model and what was rendered, at the corners and in the middle of
+/// the sides.
 double largestError(const VerticalOffset& model, const RenderOptions& options,
                     const cv::Size& size) {
   double largest = 0.0;
-  for (const int x : {0, size.width - 1}) {
-    for (const int y : {0, size.height - 1}) {
+  for (const int x : {0, size.width / 2, size.width - 1}) {
+    for (const int y : {0, size.height / 2, size.height - 1}) {
       largest = std::max(largest, std::abs(model.at(x, y, size) - offsetOf(options, x, y, size)));
     }
   }
   return largest;
 }
 
-RenderOptions misaligned(double offset, double slope_x, double slope_y, double twist = 0.0) {
+RenderOptions misaligned(double offset, double slope_x, double slope_y, double twist = 0.0,
+                         double curvature_x = 0.0, double curvature_y = 0.0) {
   RenderOptions options;
   options.vertical_offset = offset;
   options.vertical_slope_x = slope_x;
   options.vertical_slope_y = slope_y;
   options.vertical_twist = twist;
+  options.vertical_curvature_x = curvature_x;
+  options.vertical_curvature_y = curvature_y;
   return options;
 }
 
@@ -56,7 +61,7 @@ void expectNoEstimate(const VerticalOffset& model) {
   EXPECT_EQ(model.matches, 0);
 }
 
-TEST(VerticalOffset, IsBilinearAboutTheImageCentre) {
+TEST(VerticalOffset, IsQuadraticAboutTheImageCentre) {
   VerticalOffset model;
   model.offset_px = 1.5;
   model.slope_x = 0.01;
@@ -68,6 +73,10 @@ TEST(VerticalOffset, IsBilinearAboutTheImageCentre) {
   model.twist = 0.001;
   EXPECT_DOUBLE_EQ(model.at(50, 0, size), 2.0);
   EXPECT_DOUBLE_EQ(model.at(100, 50, size), 1.5 + 0.5 - 0.5 + 1.25);
+  model.curvature_x = 0.0002;
+  model.curvature_y = -0.0016;
+  EXPECT_DOUBLE_EQ(model.at(100, 25, size), 2.0 + 0.5);
+  EXPECT_DOUBLE_EQ(model.at(50, 0, size), 2.0 - 1.0);
   double squares = 0.0;
   for (int y = 0; y < 51 * 8; ++y) {
     for (int x = 0; x < 101 * 8; ++x) {
@@ -79,13 +88,15 @@ TEST(VerticalOffset, IsBilinearAboutTheImageCentre) {
   EXPECT_TRUE(model.isZero());
 }
 
-TEST(EstimateVerticalOffset, RecoversShiftShearScaleAndTwist) {
+TEST(EstimateVerticalOffset, RecoversEveryTermOfTheModel) {
   const cv::Size size(351, 263);
   int seed = 0;
   for (const RenderOptions& options :
        {misaligned(0.6, 0.0, 0.0), misaligned(-2.3, 0.0, 0.0), misaligned(0.0, 0.006, 0.0),
         misaligned(0.0, 0.0, -0.008), misaligned(-1.3, -0.005, 0.004),
-        misaligned(0.0, 0.0, 0.0, 5e-5), misaligned(0.4, 0.002, 0.003, -4e-5)}) {
+        misaligned(0.0, 0.0, 0.0, 5e-5), misaligned(0.4, 0.002, 0.003, -4e-5),
+        misaligned(0.0, 0.0, 0.0, 0.0, 3e-5), misaligned(0.0, 0.0, 0.0, 0.0, 0.0, 5e-5),
+        misaligned(-0.3, 0.001, 0.0, 2e-5, -2e-5, 3e-5)}) {
     const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
     const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
     EXPECT_LT(largestError(model, options, size), 0.05);
@@ -96,14 +107,14 @@ TEST(EstimateVerticalOffset, RecoversShiftShearScaleAndTwist) {
   }
 }
 
-/// Parameters in px: offset, and slopes and twist at the border of the image.
+/// Parameters in px: offset, and the others at the border of the image.
 TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
   const cv::Size size(351, 263);
   int seed = 10;
   for (const double offset : {-2.3, 0.05, 0.35}) {
     for (const double slope : {-0.006, 0.0, 0.002}) {
       const double twist = 0.01 * slope;
-      const RenderOptions options = misaligned(offset, slope, 0.5 * slope, twist);
+      const RenderOptions options = misaligned(offset, slope, 0.5 * slope, twist, -twist, twist);
       const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
       const VerticalOffset model = measureVerticalOffset(scene.left, scene.right, kRange, {}).model;
       SCOPED_TRACE(testing::Message() << "offset " << offset << ", slope " << slope);
@@ -111,6 +122,8 @@ TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
       EXPECT_NEAR(model.slope_x, slope, 3.0 * model.slope_x_sigma);
       EXPECT_NEAR(model.slope_y, 0.5 * slope, 3.0 * model.slope_y_sigma);
       EXPECT_NEAR(model.twist, twist, 3.0 * model.twist_sigma);
+      EXPECT_NEAR(model.curvature_x, -twist, 3.0 * model.curvature_x_sigma);
+      EXPECT_NEAR(model.curvature_y, twist, 3.0 * model.curvature_y_sigma);
       EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a bound that says something
       EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2));
       EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2));
@@ -246,6 +259,8 @@ TEST(EstimateVerticalOffset, IsDeterministic) {
   EXPECT_EQ(first.slope_x, second.slope_x);
   EXPECT_EQ(first.slope_y, second.slope_y);
   EXPECT_EQ(first.twist, second.twist);
+  EXPECT_EQ(first.curvature_x, second.curvature_x);
+  EXPECT_EQ(first.curvature_y, second.curvature_y);
   EXPECT_EQ(first.matches, second.matches);
 }
 
@@ -281,6 +296,8 @@ TEST(AlignRightRows, ResamplesAlongTheColumns) {
   model.slope_x = 0.02;
   model.slope_y = 0.05;
   model.twist = 0.002;
+  model.curvature_x = -0.001;
+  model.curvature_y = 0.003;
   for (const cv::Size size : {cv::Size(47, 31), cv::Size(1, 9), cv::Size(23, 1)}) {
     const cv::Mat image = noise(size, 9);
     const cv::Mat aligned = alignRightRows(image, model);
@@ -314,7 +331,8 @@ TEST(AlignRightRows, ColourIsAlignedLikeGrey) {
 
 TEST(AlignRightRows, UndoesWhatWasEstimated) {
   const RenderedScene straight = renderScene(351, 263, 6);
-  const RenderedScene scene = renderScene(351, 263, 6, misaligned(1.4, 0.004, -0.003, 3e-5));
+  const RenderedScene scene =
+      renderScene(351, 263, 6, misaligned(1.4, 0.004, -0.003, 3e-5, 2e-5, -2e-5));
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   const cv::Mat aligned = alignRightRows(scene.right, model);
   EXPECT_TRUE(estimateVerticalOffset(scene.left, aligned, kRange, {}).isZero());

@@ -702,6 +702,8 @@ TEST(StatusMessage, HasEveryField) {
   result.rectification.slope_x = 0.25;
   result.rectification.slope_y = 0.125;
   result.rectification.twist = 0.03125;
+  result.rectification.curvature_x = 0.375;
+  result.rectification.curvature_y = 0.625;
   result.rectification.offset_sigma_px = 0.0625;
   result.rectification.residual_px = 0.75;
   result.rectification.matches = 321;
@@ -724,6 +726,8 @@ TEST(StatusMessage, HasEveryField) {
   EXPECT_EQ(status.vertical_offset_slope_x, 0.25);
   EXPECT_EQ(status.vertical_offset_slope_y, 0.125);
   EXPECT_EQ(status.vertical_offset_twist, 0.03125);
+  EXPECT_EQ(status.vertical_offset_curvature_x, 0.375);
+  EXPECT_EQ(status.vertical_offset_curvature_y, 0.625);
   EXPECT_EQ(status.vertical_offset_sigma_px, 0.0625);
   EXPECT_EQ(status.vertical_offset_residual_px, 0.75);
   EXPECT_EQ(status.vertical_offset_matches, 321);
@@ -744,10 +748,14 @@ TEST(RectificationMessage, HasEveryField) {
   model.slope_x = 0.25;
   model.slope_y = 0.5;
   model.twist = 0.0625;
+  model.curvature_x = 0.375;
+  model.curvature_y = 0.625;
   model.offset_sigma_px = 0.03;
   model.slope_x_sigma = 0.04;
   model.slope_y_sigma = 0.05;
   model.twist_sigma = 0.06;
+  model.curvature_x_sigma = 0.07;
+  model.curvature_y_sigma = 0.08;
   const cbmv_stereo::Rectification message = toRectification(state, result, someHeader());
   EXPECT_EQ(message.header, someHeader());
   EXPECT_EQ(message.matches, 321);
@@ -756,10 +764,14 @@ TEST(RectificationMessage, HasEveryField) {
   EXPECT_EQ(message.slope_x, 0.25);
   EXPECT_EQ(message.slope_y, 0.5);
   EXPECT_EQ(message.twist, 0.0625);
+  EXPECT_EQ(message.curvature_x, 0.375);
+  EXPECT_EQ(message.curvature_y, 0.625);
   EXPECT_EQ(message.offset_sigma_px, 0.03);
   EXPECT_EQ(message.slope_x_sigma, 0.04);
   EXPECT_EQ(message.slope_y_sigma, 0.05);
   EXPECT_EQ(message.twist_sigma, 0.06);
+  EXPECT_EQ(message.curvature_x_sigma, 0.07);
+  EXPECT_EQ(message.curvature_y_sigma, 0.08);
   EXPECT_EQ(message.rms_px, model.rootMeanSquare(result.disparity.size()));
   EXPECT_EQ(message.rms_before_px, 0.625);
   EXPECT_EQ(message.rms_after_px, 0.125);

@@ -352,6 +352,8 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   offset.slope_x = status.vertical_offset_slope_x;
   offset.slope_y = status.vertical_offset_slope_y;
   offset.twist = status.vertical_offset_twist;
+  offset.curvature_x = status.vertical_offset_curvature_x;
+  offset.curvature_y = status.vertical_offset_curvature_y;
   cv::Mat grey;
   cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
   expectAll(sent, expectedResult(pair_, options_, offset), grey);

@@ -21,6 +21,8 @@ struct RenderOptions {
   double vertical_slope_x = 0.0;  ///< px more per column of the right image
   double vertical_slope_y = 0.0;  ///< px more per row of the left image
   double vertical_twist = 0.0;    ///< px more per column of the right and row of the left image
+  double vertical_curvature_x = 0.0;  ///< px per squared column from the centre
+  double vertical_curvature_y = 0.0;  ///< px per squared row from the centre
 };
 
 /// Renders a scene of textured planes: a slanted background (about 2 to 5 px of disparity) and six

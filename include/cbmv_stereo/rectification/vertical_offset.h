@@ -21,26 +21,31 @@ struct RectificationOptions {
   bool operator!=(const RectificationOptions& other) const { return !(*this == other); }
 };
 
-/// The vertical misalignment that is left in a rectified pair, as a bilinear model
-///   dy(x, y) = offset_px + slope_x u + slope_y v + twist u v,  u = x − (W−1)/2, v = y − (H−1)/2,
+/// The vertical misalignment that is left in a rectified pair, as a quadratic model
+///   dy(x, y) = offset_px + slope_x u + slope_y v + twist u v + curvature_x u² + curvature_y v²,
+///   u = x − (W−1)/2, v = y − (H−1)/2,
 /// dy = row of a point in the right image minus its row in the left image. x is the column of the
 /// point in the RIGHT image and y its row in the LEFT one: exactly what resampling the right image
-/// needs, whatever the disparity. To first order a camera that was turned pitches the offset, rolls
-/// slope_x and pans the twist (Longuet-Higgins & Prazdny 1980: dy = f a + c u + (b/f) u v, but for
-/// (a/f) v², which is small); slope_y is a difference in focal length.
+/// needs, whatever the disparity. A camera that was turned by small angles a (pitch), b (yaw), c
+/// (roll) has dy = f a + c u + (b/f) u v + (a/f) v² (Longuet-Higgins & Prazdny 1980); slope_y is a
+/// difference in focal length, and lens distortion that is left bends all of them.
 struct VerticalOffset {
-  static constexpr int kParameters = 4;
+  static constexpr int kParameters = 6;
 
   double offset_px = 0.0;
-  double slope_x = 0.0;          ///< px per column
-  double slope_y = 0.0;          ///< px per row
-  double twist = 0.0;            ///< px per column and row
-  double offset_sigma_px = 0.0;  ///< standard deviation of offset_px, see fitVerticalOffset
-  double slope_x_sigma = 0.0;    ///< standard deviation of slope_x, px per column
-  double slope_y_sigma = 0.0;    ///< standard deviation of slope_y, px per row
-  double twist_sigma = 0.0;      ///< standard deviation of twist, px per column and row
-  double residual_px = 0.0;      ///< robust standard deviation of dy about the model
-  int matches = 0;               ///< matches that agree with the model; 0 when there is no estimate
+  double slope_x = 0.0;            ///< px per column
+  double slope_y = 0.0;            ///< px per row
+  double twist = 0.0;              ///< px per column and row
+  double curvature_x = 0.0;        ///< px per column²
+  double curvature_y = 0.0;        ///< px per row²
+  double offset_sigma_px = 0.0;    ///< standard deviation of offset_px, see fitVerticalOffset
+  double slope_x_sigma = 0.0;      ///< standard deviation of slope_x, px per column
+  double slope_y_sigma = 0.0;      ///< standard deviation of slope_y, px per row
+  double twist_sigma = 0.0;        ///< standard deviation of twist, px per column and row
+  double curvature_x_sigma = 0.0;  ///< standard deviation of curvature_x, px per column²
+  double curvature_y_sigma = 0.0;  ///< standard deviation of curvature_y, px per row²
+  double residual_px = 0.0;        ///< robust standard deviation of dy about the model
+  int matches = 0;  ///< matches that agree with the model; 0 when there is no estimate
 
   /// dy in px at column x and row y of images of `size`.
   double at(double x, double y, cv::Size size) const;
@@ -52,9 +57,7 @@ struct VerticalOffset {
   void clearCorrection();
 
   /// Whether the model corrects nothing.
-  bool isZero() const {
-    return offset_px == 0.0 && slope_x == 0.0 && slope_y == 0.0 && twist == 0.0;
-  }
+  bool isZero() const;
 };
 
 /// What one pair tells of the vertical offset, whether it is worth correcting or not.
