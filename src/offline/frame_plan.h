@@ -35,6 +35,7 @@ struct PlannedFrame {
 struct FramePlan {
   CameraTopics topics;
   std::vector<PlannedFrame> frames;  ///< by stamp
+  std::size_t first = 0;             ///< the frames before it are others' work
   ros::Time begin;                   ///< of the part that is processed
   ros::Time end;                     ///< of the part that is processed; the last moment in it
   std::size_t left_images = 0;
@@ -45,6 +46,8 @@ struct FramePlan {
   std::size_t repeated_stamps = 0;
   std::size_t infos_of_other_stamps = 0;  ///< frames whose camera_info is the nearest in time
   double smallest_gap_s = 0;              ///< least difference of left_alone to any right image
+
+  std::size_t framesToProcess() const { return frames.size() - first; }
 };
 
 /// Pairs the images in the bags by their stamps. Images without camera_info of their stamp take the
