@@ -118,7 +118,8 @@ class ClusterTest(unittest.TestCase):
     def wait_for(self, condition, seconds=300):
         end = time.monotonic() + seconds
         while not condition():
-            self.assertLess(time.monotonic(), end, self.call_status())
+            if time.monotonic() > end:
+                self.fail(self.call_status())
             time.sleep(0.05)
 
     def call_status(self):
