@@ -159,8 +159,8 @@ ConversionSummary convertBags(const ConversionOptions& options,
       events.progress(++done, summary.plan.framesToProcess());
     }
   };
-  processFrames({summary.plan.frames, loader, matcher, outputs, write, events.should_stop},
-                segments, summary);
+  processFrames({summary.plan, loader, matcher, outputs, write, events.should_stop}, segments,
+                summary);
   summary.failed = countFailed(segments, outputs.topics().front());
   if (label) {
     label->failed = summary.failed;
