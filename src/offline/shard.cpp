@@ -58,6 +58,7 @@ struct LabelledShard {
 /// Sorted by number.
 std::vector<LabelledShard> readLabels(const std::vector<std::string>& paths) {
   std::vector<LabelledShard> shards;
+  shards.reserve(paths.size());
   for (const std::string& path : paths) {
     shards.push_back({path, readShardLabel(path)});
   }
