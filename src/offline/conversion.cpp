@@ -85,14 +85,16 @@ std::size_t countFailed(const Segments& segments, const std::string& any_topic) 
 }
 
 /// Writes the output from its parts.
-void mergeParts(const ConversionOptions& options, const BagSet& bags, const FramePlan& plan,
-                const FrameOutputs& outputs, const std::optional<ShardLabel>& label,
-                Segments& segments) {
-  const std::vector<BagMessage> others =
-      options.copy ? otherMessages(bags, plan, outputs.topics()) : std::vector<BagMessage>();
+void mergeParts(const ConversionOptions& options, const BagSet& bags,
+                const ConversionSummary& summary, const FrameOutputs& outputs,
+                std::optional<ShardLabel> label, Segments& segments) {
+  const std::vector<BagMessage> others = options.copy
+                                             ? otherMessages(bags, summary.plan, outputs.topics())
+                                             : std::vector<BagMessage>();
   BagWriter writer(options.output + ".part", compressionOf(options.compression));
   if (label) {
-    writer.write(toMessage(*label), plan.begin);
+    label->failed = summary.failed;
+    writer.write(toMessage(*label), summary.plan.begin);
   }
   mergeBags(segments.paths(), others, writer);
   writer.finish(options.output);
@@ -142,7 +144,7 @@ ConversionSummary convertBags(const ConversionOptions& options,
   FrameLoader loader(summary.plan.topics, outputs.needsColor());
   OfflineMatcher matcher(forest, options.matching);
   const std::string origin = describeOrigin(options, summary.plan, bags, *forest, outputs.topics());
-  std::optional<ShardLabel> label =
+  const std::optional<ShardLabel> label =
       chooseShard(options, origin, !summary.damages.empty(), summary.plan);
   Segments segments(options.output, label ? origin + describeShard(label->shard) + "\n" : origin,
                     options.earlier);
@@ -162,11 +164,8 @@ ConversionSummary convertBags(const ConversionOptions& options,
   processFrames({summary.plan, loader, matcher, outputs, write, events.should_stop}, segments,
                 summary);
   summary.failed = countFailed(segments, outputs.topics().front());
-  if (label) {
-    label->failed = summary.failed;
-  }
   if (!summary.interrupted) {
-    mergeParts(options, bags, summary.plan, outputs, label, segments);
+    mergeParts(options, bags, summary, outputs, label, segments);
   }
   return summary;
 }
