@@ -78,3 +78,8 @@ foreach(name ${launch_files})
   configure_file(${PROJECT_SOURCE_DIR}/test/ros/${name}.test.in ${launch_file} @ONLY)
   add_rostest(${launch_file} DEPENDENCIES ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
 endforeach()
+
+# Shards on a cluster; skipped unless CBMV_TEST_CLUSTER=1.
+add_test(NAME cluster_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/cluster_test.py
+                                   $<TARGET_FILE:cbmv_bag> ${CBMV_TEST_FOREST})
+set_tests_properties(cluster_test PROPERTIES SKIP_RETURN_CODE 77)

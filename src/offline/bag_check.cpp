@@ -8,7 +8,10 @@
 #include <ctime>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+
 #include "offline/frame_loader.h"
+#include "offline/frame_outputs.h"
 
 namespace cbmv {
 namespace {
@@ -87,14 +90,15 @@ void describeCost(const FramePlan& plan, OfflineMatcher& matcher, const Prepared
   for (int i = 0; i < kTimedFrames; ++i) {
     matcher.match(frame, offset);
   }
-  const double frame_s = (steadySeconds() - begin_s) / kTimedFrames;
-  const double all_s = frame_s * static_cast<double>(plan.frames.size());
-  const double cpu_s =
+  check.matching_s = (steadySeconds() - begin_s) / kTimedFrames;
+  check.processor_s =
       static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC / kTimedFrames;
+  check.image_size = frame.images.left.size();
+  const double all_s = check.matching_s * static_cast<double>(plan.frames.size());
   check.text += format(
       "cost: %.1f ms of matching a frame (%.1f ms of processor), %.3g frames/s, about %.0f s for "
       "all\n",
-      1000 * frame_s, 1000 * cpu_s, 1 / frame_s, std::ceil(all_s));
+      1000 * check.matching_s, 1000 * check.processor_s, 1 / check.matching_s, std::ceil(all_s));
 }
 
 /// The frame in the middle; none, and a problem, if it cannot be used.
@@ -115,10 +119,23 @@ std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const OfflineMatc
 
 }  // namespace
 
+std::string checkJson(const BagCheck& check) {
+  const nlohmann::json json = {{"frames", check.frames},
+                               {"width", check.image_size.width},
+                               {"height", check.image_size.height},
+                               {"matching_ms", 1000 * check.matching_s},
+                               {"processor_ms", 1000 * check.processor_s},
+                               {"problems", check.problems}};
+  return json.dump(2) + "\n";
+}
+
 BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest) {
   const BagSet bags(options.inputs);
   const FramePlan plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
+  compressionOf(options.compression);
+  const FrameOutputs outputs(options.outputs, plan.topics);  // refuses what processing refuses
   BagCheck check;
+  check.frames = plan.frames.size();
   describeBags(bags, plan, check);
   describePairs(plan, check);
   OfflineMatcher matcher(forest, options.matching);

@@ -22,14 +22,18 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Everything that the frames of the output depend on.
+/// Everything that the frames of the output depend on, of whatever folder and machine.
 std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
                            const BagSet& bags, const Forest& forest,
                            const std::vector<std::string>& output_topics) {
   std::ostringstream text;
   text << "{\n\"inputs\": \"";
   for (const auto& bag : bags.bags()) {
-    text << fs::absolute(bag->path()).string() << " (" << bag->fileSize() << " bytes) ";
+    text << fs::path(bag->path()).filename().string() << " (" << bag->fileSize() << " bytes";
+    if (!bag->entries().empty()) {
+      text << " from " << bag->entries().front().time;
+    }
+    text << ") ";
   }
   text << "\",\n\"topics\": \"" << plan.topics.left.name << " " << plan.topics.right.name;
   for (const std::string& topic : output_topics) {
@@ -81,26 +85,46 @@ std::size_t countFailed(const Segments& segments, const std::string& any_topic) 
 }
 
 /// Writes the output from its parts.
-void mergeParts(const ConversionOptions& options, const BagSet& bags, const FramePlan& plan,
-                const FrameOutputs& outputs, Segments& segments) {
-  const std::vector<BagMessage> others =
-      options.copy ? otherMessages(bags, plan, outputs.topics()) : std::vector<BagMessage>();
-  mergeBags(segments.paths(), others, options.output, compressionOf(options.compression));
+void mergeParts(const ConversionOptions& options, const BagSet& bags,
+                const ConversionSummary& summary, const FrameOutputs& outputs,
+                std::optional<ShardLabel> label, Segments& segments) {
+  const std::vector<BagMessage> others = options.copy
+                                             ? otherMessages(bags, summary.plan, outputs.topics())
+                                             : std::vector<BagMessage>();
+  BagWriter writer(options.output + ".part", compressionOf(options.compression));
+  if (label) {
+    label->failed = summary.failed;
+    writer.write(toMessage(*label), summary.plan.begin);
+  }
+  mergeBags(segments.paths(), others, writer);
+  writer.finish(options.output);
   segments.remove();
+}
+
+/// Cuts the plan to the shard that is asked for.
+std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const std::string& origin,
+                                      bool damaged, FramePlan& plan) {
+  if (!options.shard) {
+    return std::nullopt;
+  }
+  cutToShard(*options.shard, plan);
+  const std::string copies = options.copy ? "with the other topics" : "";
+  return ShardLabel{*options.shard, plan.first, plan.frames.size(), 0, damaged, origin + copies};
 }
 
 /// Makes the frames that are not in the parts yet.
 void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
-  const PipelineReport report = runPipeline(parts, summary.resumed, summary.threads);
+  const PipelineReport report =
+      runPipeline(parts, summary.plan.first + summary.resumed, summary.threads);
   segments.closePart();
   summary.seconds = steadySeconds() - begin_s;
   summary.cpu_seconds = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC;
   summary.processed = report.frames;
   summary.failures = report.failures;
   summary.matching_seconds = report.matching_seconds;
-  summary.interrupted = segments.framesDone() < parts.frames.size();
+  summary.interrupted = segments.framesDone() < summary.plan.framesToProcess();
 }
 
 }  // namespace
@@ -119,8 +143,10 @@ ConversionSummary convertBags(const ConversionOptions& options,
   const FrameOutputs outputs(options.outputs, summary.plan.topics);
   FrameLoader loader(summary.plan.topics, outputs.needsColor());
   OfflineMatcher matcher(forest, options.matching);
-  Segments segments(options.output,
-                    describeOrigin(options, summary.plan, bags, *forest, outputs.topics()),
+  const std::string origin = describeOrigin(options, summary.plan, bags, *forest, outputs.topics());
+  const std::optional<ShardLabel> label =
+      chooseShard(options, origin, !summary.damages.empty(), summary.plan);
+  Segments segments(options.output, label ? origin + describeShard(label->shard) + "\n" : origin,
                     options.earlier);
   segments.setFramesPerPart(options.frames_per_part);
   summary.was_complete = segments.isComplete();
@@ -132,14 +158,14 @@ ConversionSummary convertBags(const ConversionOptions& options,
   const auto write = [&](const std::vector<RawMessage>& messages, const ros::Time& time) {
     segments.write(messages, time);
     if (events.progress) {
-      events.progress(++done, summary.plan.frames.size());
+      events.progress(++done, summary.plan.framesToProcess());
     }
   };
-  processFrames({summary.plan.frames, loader, matcher, outputs, write, events.should_stop},
-                segments, summary);
+  processFrames({summary.plan, loader, matcher, outputs, write, events.should_stop}, segments,
+                summary);
   summary.failed = countFailed(segments, outputs.topics().front());
   if (!summary.interrupted) {
-    mergeParts(options, bags, summary.plan, outputs, segments);
+    mergeParts(options, bags, summary, outputs, label, segments);
   }
   return summary;
 }

@@ -4,12 +4,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "offline/frame_plan.h"
 #include "offline/offline_matcher.h"
 #include "offline/segments.h"
+#include "offline/shard.h"
 
 namespace cbmv {
 
@@ -23,6 +25,7 @@ struct ConversionOptions {
   std::size_t frames_per_part = 50;
   TopicChoice topics;
   PlanOptions plan;
+  std::optional<Shard> shard;  ///< of the plan; the output is for mergeShards then
   MatchingOptions matching;
 };
 

@@ -28,8 +28,8 @@ double steadySeconds() {
 /// A frame on its way.
 struct Job {
   const PlannedFrame* planned = nullptr;
-  bool is_offset_frame = false;
-  VerticalOffset offset;  ///< of an offset frame
+  const PlannedFrame* offset_source = nullptr;  ///< null: the offset of the frame before
+  VerticalOffset offset;                        ///< where there is a source
   std::optional<PreparedFrame> prepared;
   std::optional<ProcessedFrame> processed;
   std::vector<RawMessage> messages;
@@ -52,36 +52,36 @@ void attempt(Job& job, const Step& step) {
 /// The steps of the pipeline and what they count.
 class Steps {
  public:
-  Steps(const PipelineParts& parts, std::size_t first) : parts_(parts), next_(first) {
-    if (first < parts.frames.size() && parts.frames[first].offset_frame < first) {
-      Job before;
-      before.planned = &parts.frames[parts.frames[first].offset_frame];
-      before.is_offset_frame = true;
-      attempt(before, [this](Job& j) { prepareJob(j); });
-      offset_ = before.offset;
-    }
-  }
+  Steps(const PipelineParts& parts, std::size_t first)
+      : parts_(parts), first_(first), next_(first) {}
 
   JobPtr begin(tbb::flow_control& control) {
-    if (next_ >= parts_.frames.size() || (parts_.should_stop && parts_.should_stop())) {
+    const std::vector<PlannedFrame>& frames = parts_.plan.frames;
+    if (next_ >= frames.size() || (parts_.should_stop && parts_.should_stop())) {
       control.stop();
       return nullptr;
     }
     auto job = std::make_shared<Job>();
-    job->planned = &parts_.frames[next_];
-    job->is_offset_frame = job->planned->offset_frame == next_;
+    job->planned = &frames[next_];
+    const std::size_t offset_frame = job->planned->offset_frame;
+    if (next_ == first_ || offset_frame != frames[next_ - 1].offset_frame) {
+      job->offset_source = &parts_.plan.offset_frames[offset_frame];
+    }
     ++next_;
     return job;
   }
 
   JobPtr prepare(const JobPtr& job) const {
     attempt(*job, [this](Job& j) { prepareJob(j); });
+    if (job->offset_source != nullptr) {
+      job->offset = estimateOffset(*job);
+    }
     return job;
   }
 
   JobPtr match(const JobPtr& job) {
-    if (job->is_offset_frame) {
-      offset_ = job->offset;  // zero if the frame has failed
+    if (job->offset_source != nullptr) {
+      offset_ = job->offset;
     }
     attempt(*job, [this](Job& j) {
       const double begin_s = steadySeconds();
@@ -112,12 +112,23 @@ class Steps {
   void prepareJob(Job& job) const {
     job.prepared =
         parts_.matcher.prepare(parts_.loader.load(*job.planned), parts_.loader.topicNames());
-    if (job.is_offset_frame) {
-      job.offset = parts_.matcher.estimateOffset(*job.prepared);
+  }
+
+  /// Zero if the frame that it comes from cannot be used.
+  VerticalOffset estimateOffset(Job& job) const {
+    Job other;
+    other.planned = job.offset_source;
+    const bool is_own = job.offset_source->left.entry == job.planned->left.entry;
+    if (!is_own) {
+      attempt(other, [this](Job& j) { prepareJob(j); });
     }
+    Job& source = is_own ? job : other;
+    attempt(source, [this](Job& j) { j.offset = parts_.matcher.estimateOffset(*j.prepared); });
+    return source.offset;
   }
 
   const PipelineParts& parts_;
+  const std::size_t first_;
   std::size_t next_;
   VerticalOffset offset_;  ///< of the frames that come to the matcher
   PipelineReport report_;

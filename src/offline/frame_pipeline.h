@@ -14,7 +14,7 @@ namespace cbmv {
 
 /// What the pipeline is made of; all have to outlive the run.
 struct PipelineParts {
-  const std::vector<PlannedFrame>& frames;
+  const FramePlan& plan;
   FrameLoader& loader;
   OfflineMatcher& matcher;
   const FrameOutputs& outputs;
@@ -29,9 +29,9 @@ struct PipelineReport {
   double matching_seconds = 0;
 };
 
-/// Takes the frames from `first` on through loading and preparing (several at once), matching (one
-/// at a time, on `threads` threads), making of messages (several at once) and writing (in order).
-/// A frame whose messages cannot be used is written without messages.
+/// Takes the frames of the plan from `first` on through loading and preparing (several at once),
+/// matching (one at a time, on `threads` threads), making of messages (several at once) and writing
+/// (in order). A frame whose messages cannot be used is written without messages.
 PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int threads);
 
 }  // namespace cbmv

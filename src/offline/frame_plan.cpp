@@ -48,14 +48,6 @@ StampedTopic readInfos(const BagSet& bags, const std::string& topic) {
   return infos;
 }
 
-Messages inPart(const Messages& messages, const FramePlan& plan) {
-  Messages part;
-  std::copy_if(messages.begin(), messages.end(), std::back_inserter(part), [&](const auto& m) {
-    return m.entry->time >= plan.begin && m.entry->time <= plan.end;
-  });
-  return part;
-}
-
 void choosePart(const BagSet& bags, const PlanOptions& options, FramePlan& plan) {
   if (bags.messages().empty()) {
     return;
@@ -65,28 +57,81 @@ void choosePart(const BagSet& bags, const PlanOptions& options, FramePlan& plan)
                                     : bags.messages().back().entry->time;
 }
 
-double smallestGap(const Messages& left, const StampPairs& pairs,
-                   const std::vector<ros::Time>& right) {
-  std::vector<ros::Time> sorted = right;
+bool isInPart(const BagMessage& message, const FramePlan& plan) {
+  return message.entry->time >= plan.begin && message.entry->time <= plan.end;
+}
+
+Messages inPart(const Messages& messages, const FramePlan& plan) {
+  Messages part;
+  std::copy_if(messages.begin(), messages.end(), std::back_inserter(part),
+               [&](const auto& message) { return isInPart(message, plan); });
+  return part;
+}
+
+Messages inPart(const std::vector<std::size_t>& indices, const Messages& messages,
+                const FramePlan& plan) {
+  Messages chosen;
+  for (const std::size_t index : indices) {
+    chosen.push_back(messages[index]);
+  }
+  return inPart(chosen, plan);
+}
+
+double smallestGap(const Messages& left_alone, const Messages& right) {
+  std::vector<ros::Time> sorted = stampsOf(right);
   std::sort(sorted.begin(), sorted.end());
   double gap_s = std::numeric_limits<double>::infinity();
-  for (const std::size_t index : pairs.left_alone) {
+  for (const BagMessage& left : left_alone) {
     if (!sorted.empty()) {
-      const ros::Time& stamp = left[index].entry->stamp;
+      const ros::Time& stamp = left.entry->stamp;
       gap_s = std::min(gap_s, std::abs((sorted[nearestStamp(sorted, stamp)] - stamp).toSec()));
     }
   }
   return gap_s;
 }
 
-void chooseOffsetFrames(double interval_s, std::vector<PlannedFrame>& frames) {
-  const auto interval = [&](std::size_t index) {
-    return std::floor(frames[index].left.entry->stamp.toSec() / interval_s);
-  };
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const bool same = interval_s > 0 && i > 0 && interval(i) == interval(i - 1);
-    frames[i].offset_frame = same ? frames[i - 1].offset_frame : i;
+void countImages(const Messages& left, const Messages& right, const StampPairs& pairs,
+                 FramePlan& plan) {
+  const Messages left_alone = inPart(pairs.left_alone, left, plan);
+  plan.left_images = inPart(left, plan).size();
+  plan.right_images = inPart(right, plan).size();
+  plan.left_alone = left_alone.size();
+  plan.right_alone = inPart(pairs.right_alone, right, plan).size();
+  plan.repeated_stamps = inPart(pairs.left_repeated, left, plan).size() +
+                         inPart(pairs.right_repeated, right, plan).size();
+  plan.smallest_gap_s = smallestGap(left_alone, right);
+}
+
+/// The topics beside the images.
+class Companions {
+ public:
+  Companions(const BagSet& bags, const CameraTopics& topics)
+      : left_infos_(readInfos(bags, topics.left_info)),
+        right_infos_(readInfos(bags, topics.right_info)),
+        colors_(topics.color.name.empty() ? Messages() : bags.onTopic(topics.color.name)) {}
+
+  PlannedFrame join(const BagMessage& left, const BagMessage& right) const {
+    const ros::Time& stamp = left.entry->stamp;
+    PlannedFrame frame{
+        left,         right, left_infos_.nearest(stamp), right_infos_.nearest(right.entry->stamp),
+        std::nullopt, 0};
+    if (!colors_.empty() && colors_.nearest(stamp).entry->stamp == stamp) {
+      frame.color = colors_.nearest(stamp);
+    }
+    return frame;
   }
+
+ private:
+  StampedTopic left_infos_;
+  StampedTopic right_infos_;
+  StampedTopic colors_;
+};
+
+bool isOfSameInterval(const PlannedFrame& a, const PlannedFrame& b, double interval_s) {
+  const auto interval = [&](const PlannedFrame& frame) {
+    return std::floor(frame.left.entry->stamp.toSec() / interval_s);
+  };
+  return interval_s > 0 && interval(a) == interval(b);
 }
 
 }  // namespace
@@ -95,43 +140,26 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
   FramePlan plan;
   plan.topics = topics;
   choosePart(bags, options, plan);
-  const Messages left = inPart(bags.onTopic(topics.left.name), plan);
-  // Right images that were recorded around the ends of the part belong to left ones in it.
+  const Messages left = bags.onTopic(topics.left.name);
   const Messages right = bags.onTopic(topics.right.name);
-  const StampedTopic left_infos = readInfos(bags, topics.left_info);
-  const StampedTopic right_infos = readInfos(bags, topics.right_info);
-  const StampedTopic colors(topics.color.name.empty() ? Messages()
-                                                      : bags.onTopic(topics.color.name));
-  const std::vector<ros::Time> right_stamps = stampsOf(right);
-  const StampPairs pairs = pairStamps(stampsOf(left), right_stamps, options.max_stamp_difference_s);
-  for (std::size_t i = 0; i < pairs.pairs.size(); i += static_cast<std::size_t>(options.every)) {
-    const auto [l, r] = pairs.pairs[i];
-    const ros::Time& stamp = left[l].entry->stamp;
-    PlannedFrame frame{left[l],
-                       right[r],
-                       left_infos.nearest(stamp),
-                       right_infos.nearest(right[r].entry->stamp),
-                       std::nullopt,
-                       0};
-    if (!colors.empty() && colors.nearest(stamp).entry->stamp == stamp) {
-      frame.color = colors.nearest(stamp);
+  const Companions companions(bags, topics);
+  const StampPairs pairs =
+      pairStamps(stampsOf(left), stampsOf(right), options.max_stamp_difference_s);
+  for (const auto& [l, r] : pairs.pairs) {
+    PlannedFrame frame = companions.join(left[l], right[r]);
+    if (plan.offset_frames.empty() ||
+        !isOfSameInterval(frame, plan.offset_frames.back(), options.offset_interval_s)) {
+      plan.offset_frames.push_back(frame);
     }
-    plan.infos_of_other_stamps += frame.left_info.entry->stamp != stamp ||
-                                  frame.right_info.entry->stamp != frame.right.entry->stamp;
+    if (!isInPart(left[l], plan) || plan.pairs++ % static_cast<std::size_t>(options.every) != 0) {
+      continue;
+    }
+    frame.offset_frame = plan.offset_frames.size() - 1;
+    plan.infos_of_other_stamps += frame.left_info.entry->stamp != left[l].entry->stamp ||
+                                  frame.right_info.entry->stamp != right[r].entry->stamp;
     plan.frames.push_back(frame);
   }
-  chooseOffsetFrames(options.offset_interval_s, plan.frames);
-  plan.left_images = left.size();
-  plan.right_images = inPart(right, plan).size();
-  plan.pairs = pairs.pairs.size();
-  plan.left_alone = pairs.left_alone.size();
-  plan.right_alone = static_cast<std::size_t>(
-      std::count_if(pairs.right_alone.begin(), pairs.right_alone.end(), [&](std::size_t index) {
-        const ros::Time& time = right[index].entry->time;
-        return time >= plan.begin && time <= plan.end;
-      }));
-  plan.repeated_stamps = pairs.left_repeated.size() + pairs.right_repeated.size();
-  plan.smallest_gap_s = smallestGap(left, pairs, right_stamps);
+  countImages(left, right, pairs, plan);
   return plan;
 }
 

@@ -26,17 +26,20 @@ struct PlannedFrame {
   BagMessage left_info;
   BagMessage right_info;
   std::optional<BagMessage> color;  ///< with the stamp of the left image
-  /// The frame whose vertical offset it takes: the first one whose stamp has the same whole number
-  /// of offset_interval_s, so that this does not depend on where processing begins.
-  std::size_t offset_frame = 0;
+  std::size_t offset_frame = 0;     ///< row of FramePlan::offset_frames
 };
 
 /// What will be processed, and what cannot be.
 struct FramePlan {
   CameraTopics topics;
   std::vector<PlannedFrame> frames;  ///< by stamp
-  ros::Time begin;                   ///< of the part that is processed
-  ros::Time end;                     ///< of the part that is processed; the last moment in it
+  std::size_t first = 0;             ///< the frames before it are others' work
+  /// The pairs that vertical offsets are estimated from, processed or not: of all pairs whose
+  /// stamps have the same whole number of offset_interval_s, the first one in the recording. So an
+  /// offset does not depend on where processing begins.
+  std::vector<PlannedFrame> offset_frames;
+  ros::Time begin;  ///< of the part that is processed
+  ros::Time end;    ///< of the part that is processed; the last moment in it
   std::size_t left_images = 0;
   std::size_t right_images = 0;
   std::size_t pairs = 0;  ///< before `every`
@@ -45,6 +48,8 @@ struct FramePlan {
   std::size_t repeated_stamps = 0;
   std::size_t infos_of_other_stamps = 0;  ///< frames whose camera_info is the nearest in time
   double smallest_gap_s = 0;              ///< least difference of left_alone to any right image
+
+  std::size_t framesToProcess() const { return frames.size() - first; }
 };
 
 /// Pairs the images in the bags by their stamps. Images without camera_info of their stamp take the

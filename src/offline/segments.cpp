@@ -209,8 +209,7 @@ void Segments::remove() {
 }
 
 void mergeBags(const std::vector<std::string>& parts, const std::vector<BagMessage>& others,
-               const std::string& output, rosbag::CompressionType compression) {
-  BagWriter writer(output + ".part", compression);
+               BagWriter& writer) {
   auto other = others.begin();
   const auto write_others = [&](const ros::Time& end) {
     for (; other != others.end() && other->entry->time <= end; ++other) {
@@ -219,13 +218,17 @@ void mergeBags(const std::vector<std::string>& parts, const std::vector<BagMessa
   };
   for (const std::string& part : parts) {
     const BagReader reader(part);
+    if (!reader.damage().empty()) {
+      throw Error(part + " is damaged and has to be made anew");
+    }
     for (const BagEntry& entry : reader.entries()) {
-      write_others(entry.time);
-      writer.write(reader.read(entry), entry.time);
+      if (reader.connections()[entry.connection]->topic != kShardTopic) {
+        write_others(entry.time);
+        writer.write(reader.read(entry), entry.time);
+      }
     }
   }
   write_others(ros::TIME_MAX);
-  writer.finish(output);
 }
 
 }  // namespace cbmv

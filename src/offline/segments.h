@@ -76,9 +76,12 @@ class Segments {
   std::unique_ptr<BagWriter> writer_;
 };
 
-/// One bag from parts, in their order, and from other messages, which come before those of a later
-/// time. Throws Error if the output cannot be written.
+/// A topic that is no part of the output: what a bag says of itself, see ShardLabel.
+inline constexpr const char* kShardTopic = "/cbmv_bag/shard";
+
+/// Writes what is in parts, in their order, and other messages, which come before those of a later
+/// time; without kShardTopic. Throws Error if a part is damaged or the output cannot be written.
 void mergeBags(const std::vector<std::string>& parts, const std::vector<BagMessage>& others,
-               const std::string& output, rosbag::CompressionType compression);
+               BagWriter& writer);
 
 }  // namespace cbmv

@@ -30,7 +30,7 @@ double framesPerSecond(const ConversionSummary& summary) {
 std::string describeSummary(const ConversionSummary& summary) {
   const FramePlan& plan = summary.plan;
   std::string text = std::to_string(summary.resumed + summary.processed) + " of " +
-                     std::to_string(plan.frames.size()) + " frames done";
+                     std::to_string(plan.framesToProcess()) + " frames done";
   if (summary.resumed > 0) {
     text += ", " + std::to_string(summary.resumed) + " of them earlier";
   }
@@ -59,7 +59,7 @@ std::string summaryJson(const ConversionSummary& summary) {
   const nlohmann::json json = {
       {"left_topic", plan.topics.left.name},
       {"right_topic", plan.topics.right.name},
-      {"frames", plan.frames.size()},
+      {"frames", plan.framesToProcess()},
       {"frames_processed", summary.processed},
       {"frames_resumed", summary.resumed},
       {"frames_failed", summary.failed},

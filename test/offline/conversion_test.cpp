@@ -374,8 +374,8 @@ TEST_F(ConversionTest, StopsAndResumesWithTheSameContent) {
   EXPECT_TRUE(convert(options_).was_complete);
 }
 
-/// The offset comes from a frame that was done before the run was stopped.
-TEST_F(ConversionTest, ResumesWithTheSameVerticalOffset) {
+/// The offset comes from a frame that was done before the run was stopped, or is left out.
+TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   for (int index = 0; index < 6; ++index) {
     StereoPair pair = renderPair({320, 240}, 5, 11, static_cast<std::uint64_t>(index) + 1);
@@ -398,6 +398,26 @@ TEST_F(ConversionTest, ResumesWithTheSameVerticalOffset) {
     convert(options_);
     EXPECT_TRUE(messagesOf(options_.output) == messagesOf(whole)) << frames;
   }
+  const Content all = messagesOf(whole);
+  for (const double start_s : {0.2, 0.5, 1.0}) {
+    options_.output = folder_.file("begins" + std::to_string(start_s) + ".bag");
+    options_.earlier = EarlierParts::kRefuse;
+    options_.plan.start_s = start_s;
+    convert(options_);
+    const Content late = messagesOf(options_.output);
+    ASSERT_FALSE(late.empty());
+    EXPECT_TRUE(std::equal(late.rbegin(), late.rend(), all.rbegin())) << start_s;
+  }
+  options_.output = folder_.file("some.bag");
+  options_.plan.start_s = 0.2;
+  options_.plan.every = 2;
+  convert(options_);
+  const Content some = messagesOf(options_.output);
+  ASSERT_EQ(some.size(), 3U);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    EXPECT_TRUE(some[i] == all[1 + 2 * i]) << i;
+  }
+  options_.plan = {};
   options_.output = folder_.file("each.bag");
   options_.earlier = EarlierParts::kRefuse;
   options_.matching.stereo.rectification.interval_s = 0;

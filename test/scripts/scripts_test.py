@@ -35,7 +35,7 @@ class ScriptTest(unittest.TestCase):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertEqual(len(done.stderr.splitlines()), lines, done.stderr)
         last = done.stderr.splitlines()[-1]
-        self.assertTrue(last.startswith(f"{script}: "), last)
+        self.assertTrue(last.startswith(f"{pathlib.Path(script).name}: "), last)
         self.assertIn(str(says), last)
 
 
@@ -121,6 +121,111 @@ class Benchmark(ScriptTest):
         self.refuses_with(self.folder / "output/benchmark.json", *keep, CBMV_DATA=self.folder)
         (self.folder / "output/benchmark.json").write_text("{")
         self.refuses_with("is no JSON", *keep, CBMV_DATA=self.folder)
+
+
+CHECK = """#!/bin/sh
+[ "$1" = check ] || exit 1
+for last; do true; done
+echo '{"frames": 90, "width": 640, "height": 480, "processor_ms": 100.0, "problems": []}' > "$last"
+"""
+
+
+class Cluster(ScriptTest):
+    """Planning and submitting by programs that only write down what they are asked; with a real Slurm:
+    cluster_test.py."""
+
+    def setUp(self):
+        super().setUp()
+        self.bag, self.output = self.folder / "in.bag", self.folder / "out.bag"
+        self.bag.write_text("bag")
+        self.asked, self.queue = self.folder / "asked", self.folder / "queue"
+        self.queue.write_text("")
+        self.make_program("cbmv_bag", CHECK)
+        self.make_program("sbatch", f'#!/bin/sh\necho "sbatch $*" >> {self.asked}\nwc -l < {self.asked}\n')
+        self.make_program("scancel", f'#!/bin/sh\necho "scancel $*" >> {self.asked}\n')
+        self.make_program("squeue", f"#!/bin/sh\ncat {self.queue}\n")
+        self.path = f"{self.folder / 'programs'}:{os.environ['PATH']}"
+        self.shards = self.folder / "out.bag.shards"
+
+    def submit(self, *more):
+        """What the script prints, and what it asks Slurm for."""
+        self.asked.write_text("")
+        done = subprocess.run([SCRIPTS / "cluster/submit", self.bag, self.output, "--shards", "4", *more],
+                              env={**os.environ, "PATH": self.path}, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return done.stdout, self.asked.read_text().splitlines()
+
+    def refuses_to_submit(self, *arguments, says, path=None):
+        self.refuses("cluster/submit", *arguments, says=says, PATH=path or self.path)
+
+    def job_name(self):
+        return next(word.partition("=")[2] for word in self.submit("--dry-run")[0].split()
+                    if word.startswith("--job-name="))
+
+    def test_array_and_merging(self):
+        said, asked = self.submit("--cpus-per-task", "2", "--partition", "short", "--memory", "2G", "--copy")
+        self.assertIn("90 frames of 640x480, about 1 s for each of 4 shards on 2 processors", said)
+        for words in ("--array=1-4 ", "--cpus-per-task=2", "--partition=short", "--mem=2G", "--requeue",
+                      "--time=11 "):
+            self.assertIn(words, asked[0])
+        self.assertIn("--dependency=afterok:1 ", asked[1])
+        self.assertEqual(len(asked), 2)
+
+    def test_dry_run_changes_nothing(self):
+        said, asked = self.submit("--dry-run")
+        self.assertIn("--array=1-4", said)
+        self.assertEqual(asked, [])
+        self.assertFalse(self.shards.exists())
+
+    def test_only_what_is_missing(self):
+        name = self.job_name()
+        self.submit()
+        self.queue.write_text(f"7_2|{name}|RUNNING|None\n8|{name}-merge|PENDING|Dependency\n")
+        (self.shards / "shard-0001.bag").touch()
+        said, asked = self.submit()
+        self.assertIn("1 done, 1 in the queue, 2 submitted", said)
+        self.assertIn("--array=3-4 ", asked[0])
+        self.assertEqual(asked[1], "scancel 8")
+        self.assertIn("--dependency=afterok:7_2:1 ", asked[2])
+
+        self.queue.write_text("".join(f"9_{i}|{name}|PENDING|Resources\n" for i in (2, 3, 4)) +
+                              f"10|{name}-merge|PENDING|Dependency\n")
+        self.assertEqual(self.submit()[1], [])
+        self.queue.write_text("")
+        for number in (2, 3, 4):
+            (self.shards / f"shard-000{number}.bag").touch()
+        said, asked = self.submit()
+        self.assertEqual(len(asked), 1)
+        self.assertNotIn("--dependency", asked[0])
+        self.output.touch()
+        said, asked = self.submit()
+        self.assertIn("complete already", said)
+        self.assertEqual(asked, [])
+
+    def test_other_settings(self):
+        self.submit()
+        self.refuses_to_submit(self.bag, self.output, "--shards", 3, says="other shards")
+        self.refuses_to_submit(self.bag, self.output, "--copy", says="other options")
+        self.bag.write_text("another bag")
+        self.refuses_to_submit(self.bag, self.output, says="other bytes")
+
+    def test_refusals(self):
+        nothing = self.folder / "nothing"
+        nothing.mkdir()
+        for tool in ("env", "python3"):
+            (nothing / tool).symlink_to(f"/usr/bin/{tool}")
+        self.refuses_to_submit(self.bag, self.output, says="sbatch is not on the PATH", path=nothing)
+        self.refuses_to_submit(self.folder / "none.bag", self.output, says="there is no bag")
+        self.refuses_to_submit(self.bag, self.folder, says="is a folder")
+        self.refuses_to_submit(self.bag, nothing / "none/out.bag", says="does not exist")
+        self.refuses_to_submit(self.bag, self.output, "--shard", "1/2", says="--shard is chosen here")
+        self.make_program("cbmv_bag", "#!/bin/sh\necho cbmv_bag: in.bag: no stereo pair >&2; exit 2\n")
+        self.refuses_to_submit(self.bag, self.output, says="in.bag: no stereo pair")
+        self.assertFalse(self.shards.exists())
+        self.output.touch()
+        self.refuses_to_submit(self.bag, self.output, says="out.bag exists")
+        self.refuses("cluster/status", self.output, says="plan.json")
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ volatile std::sig_atomic_t stop_requested = 0;
 
 struct Arguments {
   ConversionOptions conversion;
-  std::string forest, preset, json;
+  std::string forest, preset, json, shard;
   std::optional<int> disparities, min_disparity, threads;
   bool resume = false, overwrite = false;
 };
@@ -59,6 +59,9 @@ void writeJson(const std::string& path, const std::string& json) {
 int convert(Arguments& arguments) {
   ConversionOptions& options = arguments.conversion;
   options.matching.stereo = readOptions(arguments);
+  if (!arguments.shard.empty()) {
+    options.shard = parseShard(arguments.shard);
+  }
   options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
                     : arguments.resume  ? EarlierParts::kResume
                                         : EarlierParts::kRefuse;
@@ -94,7 +97,18 @@ int check(Arguments& arguments) {
   for (const std::string& problem : found.problems) {
     std::printf("problem: %s\n", problem.c_str());
   }
+  if (!arguments.json.empty()) {
+    writeJson(arguments.json, checkJson(found));
+  }
   return found.problems.empty() ? 0 : kIncomplete;
+}
+
+int merge(const MergeOptions& options) {
+  const MergeSummary summary = mergeShards(options);
+  std::printf("wrote %s: %zu shards, %zu frames, of which %zu failed%s\n", options.output.c_str(),
+              summary.shards, summary.frames, summary.failed,
+              summary.damaged ? "; the recording is damaged" : "");
+  return summary.isComplete() ? 0 : kIncomplete;
 }
 
 void addInput(CLI::App& app, Arguments& arguments) {
@@ -134,17 +148,23 @@ void addMatching(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0, 1024));
 }
 
-void addOutput(CLI::App& app, Arguments& arguments) {
+void addCompression(CLI::App& app, std::string& compression) {
+  app.add_option("--compression", compression, "Of the output: none, lz4 or bz2")
+      ->capture_default_str();
+}
+
+/// A check takes the options of processing, but needs none of them.
+void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   ConversionOptions& options = arguments.conversion;
-  app.add_option("--output", options.output, "The bag to write")->required();
+  app.add_option("--output", options.output, "The bag to write")->required(!check);
   app.add_option("--write", options.outputs,
                  "Outputs, separated by commas: disparity, depth, depth_raw, camera_info, "
                  "confidence, valid_mask, disparity_color, cloud")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--compression", options.compression, "Of the output: none, lz4 or bz2")
-      ->capture_default_str();
+  addCompression(app, options.compression);
   app.add_flag("--copy", options.copy, "Copy the other topics");
+  app.add_option("--shard", arguments.shard, "Process the second of four equal parts only: 2/4");
   app.add_flag("--resume", arguments.resume, "Go on where an earlier run was stopped or killed");
   app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
   app.add_option("--frames-per-part", options.frames_per_part,
@@ -152,6 +172,36 @@ void addOutput(CLI::App& app, Arguments& arguments) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--json", arguments.json, "File for the summary");
+}
+
+int runMerge(int argc, char** argv) {
+  CLI::App app{"One bag from those that were written with --shard"};
+  MergeOptions options;
+  app.add_option("bags", options.shards, "The bags of all shards, in any order")->required();
+  app.add_option("--output", options.output, "The bag to write")->required();
+  addCompression(app, options.compression);
+  app.add_flag("--overwrite", options.overwrite, "Replace the output if it exists");
+  int status = 0;
+  const int refusal = runTool(app, argc, argv, "cbmv_bag", [&] { status = merge(options); });
+  return refusal != 0 ? refusal : status;
+}
+
+int runCheckOrConvert(int argc, char** argv, bool is_check) {
+  CLI::App app{is_check ? "Looks at the recording of a stereo camera: pairs, calibration, cost"
+                        : "Disparity, depth and clouds for the recording of a stereo camera"};
+  Arguments arguments;
+  addInput(app, arguments);
+  addMatching(app, arguments);
+  addOutput(app, arguments, is_check);
+  if (!is_check) {
+    app.footer(
+        "`cbmv_bag check BAG...` looks at a recording and processes nothing; `cbmv_bag merge "
+        "BAG...` makes one bag from those of all shards.");
+  }
+  int status = 0;
+  const int refusal = runTool(app, argc, argv, "cbmv_bag",
+                              [&] { status = is_check ? check(arguments) : convert(arguments); });
+  return refusal != 0 ? refusal : status;
 }
 
 }  // namespace
@@ -163,20 +213,11 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
 
-  // By hand: CLI11 would ask the subcommand for the options that processing requires.
-  const bool check = argc > 1 && std::string(argv[1]) == "check";
-  CLI::App app{check ? "Looks at the recording of a stereo camera: pairs, calibration, cost"
-                     : "Disparity, depth and clouds for the recording of a stereo camera"};
-  cbmv::Arguments arguments;
-  cbmv::addInput(app, arguments);
-  cbmv::addMatching(app, arguments);
-  if (!check) {
-    cbmv::addOutput(app, arguments);
-    app.footer("`cbmv_bag check BAG...` looks at a recording and processes nothing.");
+  // By hand: CLI11 would ask the subcommands for the options that processing requires.
+  const std::string command = argc > 1 ? argv[1] : "";
+  if (command == "merge") {
+    return cbmv::runMerge(argc - 1, argv + 1);
   }
-  int status = 0;
-  const int refusal =
-      cbmv::runTool(app, check ? argc - 1 : argc, check ? argv + 1 : argv, "cbmv_bag",
-                    [&] { status = check ? cbmv::check(arguments) : cbmv::convert(arguments); });
-  return refusal != 0 ? refusal : status;
+  const bool check = command == "check";
+  return cbmv::runCheckOrConvert(check ? argc - 1 : argc, check ? argv + 1 : argv, check);
 }
