@@ -34,7 +34,7 @@ std::string section(const std::string& heading) {
     ADD_FAILURE() << "docs/ros.md has no heading " << heading;
     return {};
   }
-  const std::size_t end = document.find("\n#", start + 1);
+  const std::size_t end = document.find("\n## ", start + 1);
   return document.substr(start, end - start);
 }
 
@@ -168,28 +168,29 @@ TEST(RosDocument, LaunchFileHasThePrivateParameters) {
   }
 }
 
-/// The replacement passes on what stereo.launch takes; what it takes itself is in the table.
-TEST(RosDocument, HasTheArgumentsOfTheReplacement) {
-  const std::string launch =
-      readFile(CBMV_SOURCE_DIR "/launch/stereo_image_proc_replacement.launch");
-  const std::string documented = section("Launch files");
-  const std::regex argument("\\n  <arg name=\"([a-z_]+)\"");
-  for (std::sregex_iterator found(launch.begin(), launch.end(), argument), end; found != end;
-       ++found) {
-    EXPECT_NE(documented.find("`" + (*found)[1].str() + "`"), std::string::npos)
-        << (*found)[1] << " is not documented";
-  }
-}
-
 /// The arguments that a launch file lets its caller give: those without a value of their own.
 std::set<std::string> argumentsOf(const std::string& launch) {
-  const std::regex argument("\\n  <arg name=\"([a-z_]+)\"( default=\"[^\"]*\")? */>");
+  const std::regex argument("\\n  <arg name=\"([a-zA-Z0-9_]+)\"( default=\"[^\"]*\")? */>");
   std::set<std::string> names;
   for (std::sregex_iterator found(launch.begin(), launch.end(), argument), end; found != end;
        ++found) {
     names.insert((*found)[1]);
   }
   return names;
+}
+
+/// They pass on what stereo.launch takes; what they take themselves is documented.
+TEST(RosDocument, HasTheArgumentsOfTheOtherLaunchFiles) {
+  const std::string documented = section("Launch files");
+  for (const char* file : {"stereo_image_proc_replacement", "comparison"}) {
+    const auto names =
+        argumentsOf(readFile(CBMV_SOURCE_DIR "/launch/" + std::string(file) + ".launch"));
+    EXPECT_GE(names.size(), 5U) << file;
+    for (const std::string& name : names) {
+      EXPECT_NE(documented.find("`" + name + "`"), std::string::npos)
+          << name << " of " << file << " is not documented";
+    }
+  }
 }
 
 TEST(Replacement, TakesTheArgumentsOfTheStockLaunchFile) {
