@@ -242,7 +242,7 @@ int main(int argc, char** argv) {
   cbmv::CalibrateArguments raw;
   CLI::App* calibrate = app.add_subcommand(
       "calibrate", "Calibrates a rig by pairs that show a chessboard, and writes a bag of them");
-  calibrate->add_option("folder", raw.folder, "Holds leftNAME and rightNAME, .jpg or .png")
+  calibrate->add_option("folder", raw.folder, "Holds left01.jpg, right01.jpg and so on (or .png)")
       ->required();
   calibrate->add_option("--output", raw.output, "Folder for left.yaml, right.yaml, raw.bag")
       ->required();

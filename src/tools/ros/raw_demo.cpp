@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <utility>
 #include <vector>
 
@@ -23,20 +24,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// File names of the pairs in a folder: leftNAME and rightNAME, in the order of their names.
+/// File names of the pairs in a folder: leftNUMBER and rightNUMBER, in the order of their names.
 std::vector<std::pair<std::string, std::string>> pairsIn(const std::string& folder) {
   std::vector<std::pair<std::string, std::string>> pairs;
+  const std::regex left_name("left([0-9]+\\.(jpg|png))");
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    const std::string ending = entry.path().extension().string();
-    const bool is_left = name.rfind("left", 0) == 0 && (ending == ".jpg" || ending == ".png");
-    const fs::path right = fs::path(folder) / ("right" + name.substr(is_left ? 4 : 0));
-    if (is_left && fs::exists(right)) {
-      pairs.emplace_back(entry.path().string(), right.string());
+    std::smatch found;
+    if (std::regex_match(name, found, left_name)) {
+      const fs::path right = fs::path(folder) / ("right" + found[1].str());
+      if (fs::exists(right)) {
+        pairs.emplace_back(entry.path().string(), right.string());
+      }
     }
   }
   if (pairs.empty()) {
-    throw Error(folder + " holds no pairs; leftNAME.jpg and rightNAME.jpg (or .png) would be some");
+    throw Error(folder + " holds no pairs; left01.jpg and right01.jpg (or .png) would be one");
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
