@@ -44,7 +44,7 @@ struct CalibratedRig {
   double epipolar_error_px =
       0;  ///< root mean square of how far rectified corners differ in their row
 
-  double baseline_m() const { return -right.projection(0, 3) / right.projection(0, 0); }
+  double baselineM() const { return -right.projection(0, 3) / right.projection(0, 0); }
 };
 
 /// Both cameras of a rig whose cameras stand side by side, and how they are rectified: by

@@ -145,7 +145,7 @@ TEST(Presets, UnknownOnesChangeNothing) {
   const auto after = reconfigured(nodelet, presetRequest("no_such_preset"));
   EXPECT_EQ(after.preset, "balanced");
   EXPECT_EQ(optionsText(after), optionsText(before));
-  EXPECT_TRUE(log.waitForWarning({"config/no_such_preset.yaml", "keep their values"}));
+  EXPECT_TRUE(log.waitForWarning({"no preset 'no_such_preset'", "realtime", "keep their values"}));
 }
 
 TEST(Presets, AreCorrectedAndTheCorrectionIsReported) {

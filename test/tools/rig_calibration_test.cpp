@@ -77,7 +77,7 @@ TEST(RigCalibration, FindsTheRigThatTheCornersAreOf) {
   ASSERT_EQ(found.left.distortion.size(), 5U);
   EXPECT_NEAR(found.left.distortion[0], rig.left_distortion[0], 1e-3);
   EXPECT_NEAR(found.right.distortion[2], rig.right_distortion[2], 1e-4);
-  EXPECT_NEAR(found.baseline_m(), cv::norm(rig.translation), 1e-4);
+  EXPECT_NEAR(found.baselineM(), cv::norm(rig.translation), 1e-4);
   EXPECT_LT(found.reprojection_error_px, 0.001);
   EXPECT_LT(found.epipolar_error_px, 0.001);
   EXPECT_EQ(found.image_size, kSize);
@@ -114,7 +114,7 @@ TEST(RigCalibration, ErrorsAreThoseOfTheCorners) {
   EXPECT_NEAR(found.reprojection_error_px, kNoisePx * std::sqrt(2), 0.02);
   EXPECT_GT(found.epipolar_error_px, kNoisePx * std::sqrt(2));
   EXPECT_LT(found.epipolar_error_px, kNoisePx * std::sqrt(2) * 1.2);
-  EXPECT_NEAR(found.baseline_m(), cv::norm(KnownRig().translation), 0.002);
+  EXPECT_NEAR(found.baselineM(), cv::norm(KnownRig().translation), 0.002);
 }
 
 TEST(RigCalibration, RefusesTooFewViewsAndIncompleteOnes) {

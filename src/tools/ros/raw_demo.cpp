@@ -101,12 +101,12 @@ CalibratedRig calibratePairs(const std::vector<std::pair<cv::Mat, cv::Mat>>& pai
       views.push_back({*in_left, *in_right});
     }
   }
-  const CalibratedRig rig = calibrateRig(views, board, pairs.front().first.size());
+  CalibratedRig rig = calibrateRig(views, board, pairs.front().first.size());
   std::printf("whole board in %zu of %zu pairs\n", views.size(), pairs.size());
   std::printf("reprojection error %.3f px, epipolar error %.3f px (root mean square)\n",
               rig.reprojection_error_px, rig.epipolar_error_px);
   std::printf("focal length %.1f px, baseline %.4f m\n", rig.left.projection(0, 0),
-              rig.baseline_m());
+              rig.baselineM());
   return rig;
 }
 
@@ -139,7 +139,7 @@ void calibrate(const CalibrateArguments& arguments) {
     pairs.emplace_back(readGreyImage(left), readGreyImage(right));
     if (pairs.back().first.size() != pairs.front().first.size() ||
         pairs.back().second.size() != pairs.front().first.size()) {
-      throw Error(left + " and " + right + " do not have the size of the first pair");
+      throw Error("images of the pair " + left + " do not have the size of the first pair");
     }
   }
   const CalibratedRig rig = calibratePairs(pairs, arguments.board);
