@@ -26,6 +26,7 @@ install(PROGRAMS scripts/evaluation_report DESTINATION ${program_destination}
 install(DIRECTORY include/${PROJECT_NAME} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY models config DESTINATION ${share_destination})
 if(CBMV_BUILD_ROS)
+  install(PROGRAMS scripts/comparison_relay DESTINATION ${program_destination})
   install(DIRECTORY launch DESTINATION ${share_destination})
   install(FILES nodelet_plugins.xml DESTINATION ${share_destination})
 endif()

@@ -50,8 +50,8 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs: it looks for them where catkin puts programs.
-set(CBMV_ROSTESTS stereo configuration point_cloud)
-set(launch_files stereo_node stereo_nodelet configuration)
+set(CBMV_ROSTESTS stereo configuration point_cloud worker_threads)
+set(launch_files stereo_node stereo_nodelet configuration worker_threads)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND CBMV_ROSTESTS parity replacement)
   list(APPEND launch_files parity replacement)

@@ -6,6 +6,7 @@ file(GLOB tool_support_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools
 list(FILTER tool_support_sources EXCLUDE REGEX "/cbmv_[^/]*$")
 add_library(cbmv_tool_support STATIC ${tool_support_sources})
 target_include_directories(cbmv_tool_support PUBLIC ${PROJECT_SOURCE_DIR}/src)
+target_link_libraries(cbmv_tool_support PUBLIC cbmv)
 
 set(CBMV_TOOLS)
 file(GLOB tool_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/cbmv_*.cpp)

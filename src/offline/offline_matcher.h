@@ -11,7 +11,7 @@ namespace cbmv {
 struct MatchingOptions {
   StereoOptions stereo;
   float min_confidence = 0;
-  bool allow_different_frame_ids = false;
+  bool allow_different_frame_ids = true;
 };
 
 /// A frame that only waits for the matcher.

@@ -134,7 +134,7 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
                      both + " differ in frame_id ('" + left + "' and '" + right +
-                         "'); a rectified pair has the left camera's, or set the parameter "
+                         "'); equal ones would be right, or true for the parameter "
                          "allow_different_frame_ids");
   }
 }

@@ -30,7 +30,8 @@ inline constexpr const char* kNoPreset = "custom";
 /// ending .yaml); else config/NAME.yaml of this package.
 std::string presetPath(const std::string& preset);
 
-/// Sets what the preset names. Throws Error that names the file (readPreset).
+/// Sets what the preset names. Throws Error that names the file (readPreset), or that lists the
+/// names that there are.
 void applyPreset(const std::string& preset, StereoOptions& options);
 
 /// `preset`, or kNoPreset if `options` are not what it makes of them.

@@ -82,7 +82,7 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
        "win "
        "over it"},
       {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
-      {"allow_different_frame_ids", false, 0, 0, "",
+      {"allow_different_frame_ids", true, 0, 0, "",
        "Accept pairs whose images differ in frame_id; outputs have the left one's"}};
   append(syncParameters(), table);
   append(cloudParameters(), table);

@@ -102,6 +102,18 @@ TEST_F(CbmvBagTest, RefusesWithOneSentence) {
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
 }
 
+TEST_F(CbmvBagTest, RefusesDifferentFrameIdsIfAsked) {
+  writeRecording(folder_.file("in.bag"), 1, [](rosbag::Bag& bag) {
+    PairMessages messages = recordedFrame(1);
+    messages.right_image->header.frame_id = "right_camera";
+    writeFrame(bag, messages);
+  });
+  EXPECT_EQ(run("taken.bag").status, 0);
+  EXPECT_EQ(run("refused.bag", "--refuse-different-frame-ids").status, 3);
+  EXPECT_EQ(messagesOf(folder_.file("taken.bag")).size(),
+            2 * messagesOf(folder_.file("refused.bag")).size());
+}
+
 TEST_F(CbmvBagTest, StatusSaysThatTheInputIsDamaged) {
   writeRecording(folder_.file("in.bag"), 6);
   fs::resize_file(folder_.file("in.bag"), fs::file_size(folder_.file("in.bag")) / 2);

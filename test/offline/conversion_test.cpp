@@ -336,6 +336,22 @@ TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
   EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
 }
 
+TEST_F(ConversionTest, FrameIdsMayDifferUnlessThatIsRefused) {
+  writeRecording(input_, 1, [](rosbag::Bag& bag) {
+    PairMessages messages = recordedFrame(1);
+    messages.right_image->header.frame_id = "right_camera";
+    writeFrame(bag, messages);
+  });
+  EXPECT_TRUE(convert(options_).isComplete());
+  ASSERT_EQ(disparities(output_).size(), 2U);
+  EXPECT_EQ(disparities(output_)[1]->header.frame_id, "left_camera");
+
+  options_.matching.allow_different_frame_ids = false;
+  options_.output = folder_.file("refused.bag");
+  EXPECT_FALSE(convert(options_).isComplete());
+  EXPECT_EQ(disparities(options_.output).size(), 1U);
+}
+
 TEST_F(ConversionTest, ProcessesWhatIsReadableOfATruncatedBag) {
   writeRecording(input_, 6);
   fs::resize_file(input_, fs::file_size(input_) * 6 / 10);

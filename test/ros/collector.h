@@ -22,6 +22,12 @@ class Collector {
   bool has(ros::Time stamp) const { return messages_.count(stamp) > 0; }
   const Message& at(ros::Time stamp) const { return *messages_.at(stamp); }
   const Message& newest() const { return *messages_.rbegin()->second; }
+  template <typename Use>
+  void forEach(const Use& use) const {
+    for (const auto& [stamp, message] : messages_) {
+      use(*message);
+    }
+  }
   std::size_t count() const { return messages_.size(); }
 
  private:

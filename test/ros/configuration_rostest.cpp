@@ -145,7 +145,7 @@ TEST(Presets, UnknownOnesChangeNothing) {
   const auto after = reconfigured(nodelet, presetRequest("no_such_preset"));
   EXPECT_EQ(after.preset, "balanced");
   EXPECT_EQ(optionsText(after), optionsText(before));
-  EXPECT_TRUE(log.waitForWarning({"config/no_such_preset.yaml", "keep their values"}));
+  EXPECT_TRUE(log.waitForWarning({"no preset 'no_such_preset'", "realtime", "keep their values"}));
 }
 
 TEST(Presets, AreCorrectedAndTheCorrectionIsReported) {
@@ -258,13 +258,28 @@ TEST(Synchronisation, ZeroIsNoBound) {
   EXPECT_TRUE(disparityComes("unbounded_sync_test", delayRight(0.05)));
 }
 
-TEST(FrameIds, MayDifferIfAllowed) {
+void renameRightFrame(PairMessages& messages) {
+  messages.right_image->header.frame_id = messages.right_info->header.frame_id = "right_camera";
+}
+
+TEST(FrameIds, MayDiffer) {
   StereoNodelet nodelet("frame_id_test");
-  nodelet.parameters().setParam("allow_different_frame_ids", true);
   ASSERT_TRUE(nodelet.load());
-  EXPECT_TRUE(disparityComes("frame_id_test", [](PairMessages& messages) {
-    messages.right_image->header.frame_id = "right_camera";
-  }));
+  const auto disparity =
+      outputOf<stereo_msgs::DisparityImage>("frame_id_test", "disparity", renameRightFrame);
+  ASSERT_TRUE(disparity);
+  EXPECT_EQ(disparity->header.frame_id, "left_camera");
+}
+
+TEST(FrameIds, AreRefusedIfTheyMayNotDiffer) {
+  LogReader log;
+  StereoNodelet nodelet("refused_frame_id_test");
+  nodelet.parameters().setParam("allow_different_frame_ids", false);
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_FALSE(disparityComes("refused_frame_id_test", renameRightFrame, 1));
+  EXPECT_TRUE(log.waitForWarning({"/refused_frame_id_test/left/image_rect",
+                                  "/refused_frame_id_test/right/image_rect", "'left_camera'",
+                                  "'right_camera'", "allow_different_frame_ids"}));
 }
 
 TEST(Topics, CanBeRemapped) {

@@ -95,6 +95,28 @@ TEST_F(Consumers, MakeTheSamePoints) {
   EXPECT_EQ(missingPoints(of_depth_raw_.at(stamp_), 0.001), 0);  // whole millimetres
 }
 
+/// comparison.launch: both nodes get the same camera and the same range.
+TEST_F(Consumers, AreComparedOnOneCamera) {
+  Collector<stereo_msgs::DisparityImage> ours, stock;
+  ours.subscribe(nh_, "/comparison/cbmv/disparity");
+  stock.subscribe(nh_, "/comparison/stock/disparity");
+  Collector<sensor_msgs::PointCloud2> stock_cloud;
+  stock_cloud.subscribe(nh_, "/comparison/stock/points2");
+  const StereoPair pair = renderPair(kSize, 4, 9);
+  ASSERT_TRUE(waitFor(
+      [&] {
+        const PairMessages sent = makeMessages(pair, {}, ros::Time::now());
+        cameras_.publishColor(sent.left_image);
+        cameras_.publish(sent);
+        wait(0.5);
+        return ours.count() > 0 && stock.count() > 0 && stock_cloud.count() > 0;
+      },
+      30));
+  EXPECT_EQ(ours.newest().min_disparity, 1);
+  EXPECT_EQ(stock.newest().min_disparity, 1);
+  EXPECT_EQ(ours.newest().max_disparity, stock.newest().max_disparity);
+}
+
 }  // namespace
 }  // namespace cbmv
 

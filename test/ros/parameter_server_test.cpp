@@ -6,6 +6,8 @@
 #include <dynamic_reconfigure/Config.h>
 #include <gtest/gtest.h>
 
+#include "support/error_text.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
@@ -114,6 +116,16 @@ TEST(Preset, IsANameOrAPath) {
   const std::string ending = "/config/realtime.yaml";
   ASSERT_GE(path.size(), ending.size());
   EXPECT_EQ(path.substr(path.size() - ending.size()), ending);
+}
+
+TEST(Preset, NamesThatThereAreAreListed) {
+  setenv("ROS_PACKAGE_PATH", CBMV_SOURCE_DIR, 1);
+  StereoOptions options;
+  EXPECT_NO_THROW(applyPreset("kitti", options));
+  const std::string refusal = errorText([&] { applyPreset("nonsense", options); });
+  EXPECT_TRUE(mentions(refusal, {"'nonsense'", "balanced, ", "quality", "realtime", "path"}));
+  EXPECT_EQ(refusal.find(".rviz"), std::string::npos);
+  EXPECT_EQ(refusal.find("comparison"), std::string::npos);
 }
 
 TEST(Preset, IsCustomOnceAValueDiffers) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
 
 #include "ros/collector.h"
 #include "ros/stereo_pair.h"
@@ -35,25 +36,7 @@ class RawCameras {
     right_info_ = nh_.advertise<sensor_msgs::CameraInfo>("starboard/camera_info", 5);
   }
 
-  /// Raw images are of a Bayer sensor on which everything is rather red.
-  void publish(const StereoPair& pair, ros::Time stamp) {
-    const PairMessages messages = makeMessages(pair, {}, stamp);
-    for (const auto& image : {messages.left_image, messages.right_image}) {
-      image->encoding = "bayer_rggb8";
-      for (std::uint32_t y = 0; y < image->height; ++y) {
-        for (std::uint32_t x = 0; x < image->width; ++x) {
-          if (x % 2 == 1 || y % 2 == 1) {
-            image->data[y * image->step + x] /= 2;
-          }
-        }
-      }
-    }
-    for (const auto& info : {messages.left_info, messages.right_info}) {
-      info->distortion_model = "plumb_bob";
-      info->D = {1e-6, 0, 0, 0, 0};  // without distortion, image_proc leaves images as they are
-      info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-      info->K = {info->P[0], 0, info->P[2], 0, info->P[5], info->P[6] - kRowsDown, 0, 0, 1};
-    }
+  void publish(const PairMessages& messages) {
     left_info_.publish(messages.left_info);
     right_info_.publish(messages.right_info);
     left_image_.publish(messages.left_image);
@@ -68,6 +51,125 @@ class RawCameras {
   ros::Publisher right_info_;
 };
 
+/// Raw images of a Bayer sensor on which everything is rather red; rectification moves them down.
+PairMessages makeRedMessages(const StereoPair& pair, ros::Time stamp) {
+  PairMessages messages = makeMessages(pair, {}, stamp);
+  for (const auto& image : {messages.left_image, messages.right_image}) {
+    image->encoding = "bayer_rggb8";
+    for (std::uint32_t y = 0; y < image->height; ++y) {
+      for (std::uint32_t x = 0; x < image->width; ++x) {
+        if (x % 2 == 1 || y % 2 == 1) {
+          image->data[y * image->step + x] /= 2;
+        }
+      }
+    }
+  }
+  for (const auto& info : {messages.left_info, messages.right_info}) {
+    info->distortion_model = "plumb_bob";
+    info->D = {1e-6, 0, 0, 0, 0};  // without distortion, image_proc leaves images as they are
+    info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    info->K = {info->P[0], 0, info->P[2], 0, info->P[5], info->P[6] - kRowsDown, 0, 0, 1};
+  }
+  return messages;
+}
+
+/// A camera before rectification.
+struct Lens {
+  cv::Matx33d matrix;
+  std::vector<double> distortion;
+  cv::Vec3d rotation;  ///< to the rectified camera, Rodrigues
+
+  /// What the camera sees where the rectified one sees `rectified`: every raw pixel's ray is looked
+  /// up there.
+  cv::Mat view(const cv::Mat& rectified, const sensor_msgs::CameraInfo& info) const {
+    std::vector<cv::Point2f> raw;
+    for (int y = 0; y < rectified.rows; ++y) {
+      for (int x = 0; x < rectified.cols; ++x) {
+        raw.emplace_back(static_cast<float>(x), static_cast<float>(y));
+      }
+    }
+    std::vector<cv::Point2f> seen;
+    cv::undistortPoints(raw, seen, matrix, distortion, turn(), cv::Matx34d(info.P.data()));
+    cv::Mat image;
+    cv::remap(rectified, image, cv::Mat(seen).reshape(2, rectified.rows), cv::noArray(),
+              cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    return image;
+  }
+
+  void describe(sensor_msgs::CameraInfo& info) const {
+    info.distortion_model = "plumb_bob";
+    info.D = distortion;
+    std::copy_n(matrix.val, 9, info.K.begin());
+    std::copy_n(turn().val, 9, info.R.begin());
+  }
+
+  cv::Matx33d turn() const {
+    cv::Matx33d turned;
+    cv::Rodrigues(rotation, turned);
+    return turned;
+  }
+};
+
+const cv::Size kLargeSize(220, 160);
+const Rig kLargeRig{180, 0.25, 109.5, 109.5, 79.5};
+// As strong as those of a real rig (scripts/demo --raw), turned more.
+const Lens kLeftLens{{185, 0, 113, 0, 184.5, 77, 0, 0, 1},
+                     {-0.29, 0.11, -0.001, 0.0005, -0.02},
+                     {0.01, -0.02, 0.008}};
+const Lens kRightLens{
+    {187, 0, 108, 0, 187, 82, 0, 0, 1}, {-0.27, 0.09, 0.0008, -0.0003, 0}, {-0.012, 0.015, -0.009}};
+
+PairMessages makeDistortedMessages(const StereoPair& pair, ros::Time stamp) {
+  PairMessages messages = makeMessages(pair, kLargeRig, stamp);
+  const auto distort = [](const Lens& lens, const cv::Mat& rectified, sensor_msgs::Image& image,
+                          sensor_msgs::CameraInfo& info) {
+    image = *makeImage(lens.view(rectified, info), "mono8", image.header);
+    lens.describe(info);
+  };
+  distort(kLeftLens, pair.left, *messages.left_image, *messages.left_info);
+  distort(kRightLens, pair.right, *messages.right_image, *messages.right_info);
+  for (std_msgs::Header* header : {&messages.right_image->header, &messages.right_info->header}) {
+    header->frame_id = "right_camera";
+  }
+  return messages;
+}
+
+/// Share of the pixels away from borders and depth edges whose disparity is right within 0.5 px.
+double rightShare(const cv::Mat& disparity, const cv::Mat& truth) {
+  constexpr int kAwayPx = 9;
+  cv::Mat lowest, highest, difference;
+  truth.convertTo(difference, CV_32F);
+  const cv::Mat around = cv::Mat::ones(2 * kAwayPx + 1, 2 * kAwayPx + 1, CV_8UC1);
+  cv::erode(difference, lowest, around);
+  cv::dilate(difference, highest, around);
+  cv::Mat checked = lowest == highest;
+  checked.colRange(0, 2 * kAwayPx) = 0;
+  difference = cv::abs(difference - disparity) < 0.5;
+  const int margin = kAwayPx;
+  const cv::Rect inside(margin, margin, truth.cols - 2 * margin, truth.rows - 2 * margin);
+  return cv::countNonZero((difference & checked)(inside)) /
+         static_cast<double>(cv::countNonZero(checked(inside)));
+}
+
+TEST(Replacement, TakesLensDistortionOff) {
+  ros::NodeHandle nh("/robot");
+  RawCameras cameras("/robot");
+  Collector<stereo_msgs::DisparityImage> disparity;
+  disparity.subscribe(nh, "disparity");
+  const StereoPair pair = renderPair(kLargeSize, 6, 14);
+  ASSERT_TRUE(waitFor(
+      [&] {
+        cameras.publish(makeDistortedMessages(pair, ros::Time::now()));
+        wait(0.2);
+        return disparity.count() > 1;
+      },
+      30));
+  const stereo_msgs::DisparityImage& message = disparity.newest();
+  EXPECT_EQ(message.header.frame_id, "left_camera");
+  const cv::Mat values(kLargeSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
+  EXPECT_GT(rightShare(values, pair.disparity), 0.97);
+}
+
 TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot");
@@ -78,7 +180,7 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   const StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
   ASSERT_TRUE(waitFor(
       [&] {
-        cameras.publish(pair, ros::Time::now());
+        cameras.publish(makeRedMessages(pair, ros::Time::now()));
         wait(0.2);
         return disparity.count() > 1 && points.count() > 1;
       },

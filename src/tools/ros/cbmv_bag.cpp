@@ -142,8 +142,9 @@ void addMatching(CLI::App& app, Arguments& arguments) {
   app.add_option("--min-confidence", options.min_confidence,
                  "Pixels of a lower confidence have no disparity")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_flag("--allow-different-frame-ids", options.allow_different_frame_ids,
-               "Accept pairs whose images differ in frame_id");
+  app.add_flag("--allow-different-frame-ids,!--refuse-different-frame-ids",
+               options.allow_different_frame_ids,
+               "Whether pairs are taken whose images differ in frame_id: yes, unless refused");
   app.add_option("--threads", arguments.threads, "0: as many as the machine has")
       ->check(CLI::Range(0, 1024));
 }

@@ -1,4 +1,4 @@
-// Makes a bag of one stereo pair, and shows what a node made of it.
+// Makes bags for scripts/demo, and shows what a node made of them.
 
 #include <algorithm>
 #include <cstdio>
@@ -14,6 +14,7 @@
 #include <rosbag/view.h>
 
 #include "../run_tool.h"
+#include "raw_demo.h"
 #include "ros/conversions.h"
 
 #include "cbmv_stereo/error.h"
@@ -238,9 +239,40 @@ int main(int argc, char** argv) {
   report->add_option("--calibration", recorded.calibration, "calib.txt of the pair")->required();
   report->add_option("--output", recorded.output, "Folder for the pictures and files")->required();
 
+  cbmv::CalibrateArguments raw;
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate", "Calibrates a rig by pairs that show a chessboard, and writes a bag of them");
+  calibrate->add_option("folder", raw.folder, "Holds left01.jpg, right01.jpg and so on (or .png)")
+      ->required();
+  calibrate->add_option("--output", raw.output, "Folder for left.yaml, right.yaml, raw.bag")
+      ->required();
+  calibrate->add_option("--columns", raw.board.corners.width, "Inner corners of the board")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  calibrate->add_option("--rows", raw.board.corners.height, "Inner corners of the board")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  calibrate->add_option("--square-m", raw.board.square_m, "Side of a square; scales the baseline")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  calibrate->add_option("--rate-hz", raw.rate_hz)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+
+  cbmv::ShowRawArguments shown;
+  CLI::App* show_raw =
+      app.add_subcommand("show-raw", "Left images as rectified, beside the disparities");
+  show_raw->add_option("bag", shown.bag, "Bag recorded from the node")->required();
+  show_raw->add_option("--output", shown.output, "The picture to write")->required();
+  show_raw->add_option("--frames", shown.frames)->check(CLI::PositiveNumber)->capture_default_str();
+
   return cbmv::runTool(app, argc, argv, "cbmv_demo", [&] {
     if (*render) {
       cbmv::render(folder);
+    } else if (*calibrate) {
+      cbmv::calibrate(raw);
+    } else if (*show_raw) {
+      cbmv::showRaw(shown);
     } else if (*make_bag) {
       cbmv::makeBag(bag);
     } else {

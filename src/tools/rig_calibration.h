@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// A chessboard by its inner corners.
+struct Chessboard {
+  cv::Size corners{9, 6};  ///< columns and rows
+  double square_m = 0.025;
+
+  /// The corners on the board, m, row by row; z = 0.
+  std::vector<cv::Point3f> points() const;
+};
+
+/// Corners of a board in an image, px, in the order of Chessboard::points().
+using BoardCorners = std::vector<cv::Point2f>;
+
+/// The corners of the board in a CV_8UC1 image, to parts of a pixel; nothing if it does not show
+/// the whole board.
+std::optional<BoardCorners> findBoard(const cv::Mat& image, const Chessboard& board);
+
+/// The same board in both images of a pair.
+struct BoardView {
+  BoardCorners left, right;
+};
+
+/// A camera as sensor_msgs/CameraInfo describes it.
+struct CalibratedCamera {
+  cv::Matx33d matrix;              ///< K, px
+  std::vector<double> distortion;  ///< plumb_bob: k1, k2, p1, p2, k3
+  cv::Matx33d rotation;            ///< R: from the camera to the rectified one
+  cv::Matx34d projection;  ///< P: of the rectified camera, px; P(0, 3) = -fx * baseline, px m
+};
+
+struct CalibratedRig {
+  cv::Size image_size;
+  CalibratedCamera left, right;
+  double reprojection_error_px = 0;  ///< root mean square over all corners of both cameras
+  double epipolar_error_px =
+      0;  ///< root mean square of how far rectified corners differ in their row
+
+  double baselineM() const { return -right.projection(0, 3) / right.projection(0, 0); }
+};
+
+/// Both cameras of a rig whose cameras stand side by side, and how they are rectified: by
+/// rotations, with the same principal point and without invalid pixels at the borders (OpenCV's
+/// calibrateCamera, stereoCalibrate, stereoRectify). Throws Error if there are fewer than three
+/// views, or if a view does not have all corners.
+CalibratedRig calibrateRig(const std::vector<BoardView>& views, const Chessboard& board,
+                           cv::Size image_size);
+
+}  // namespace cbmv
