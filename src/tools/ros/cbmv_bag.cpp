@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 
 #include "../progress_bar.h"
 #include "../run_tool.h"
@@ -155,6 +156,16 @@ void addOutput(CLI::App& app, Arguments& arguments) {
   app.add_option("--json", arguments.json, "File for the summary");
 }
 
+/// Every frame frees some MB and takes them again, on another thread as a rule: they are kept, in
+/// one place for all threads. Given back to the system in between, they cost a tenth of the time.
+void keepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 1);
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
+}
+
 }  // namespace
 }  // namespace cbmv
 
@@ -163,6 +174,8 @@ int main(int argc, char** argv) {
     std::signal(signal, [](int) { cbmv::stop_requested = 1; });
   }
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+
+  cbmv::keepFreedMemory();
 
   // By hand: CLI11 would ask the subcommand for the options that processing requires.
   const bool check = argc > 1 && std::string(argv[1]) == "check";
