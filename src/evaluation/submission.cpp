@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <iomanip>
 #include <limits>
@@ -14,6 +13,7 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/folds.h"
+#include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/image_file.h"
 #include "cbmv_stereo/io/pfm.h"
 
@@ -39,8 +39,6 @@ constexpr std::array<SubmissionFormat, 4> kFormats = {{
     {"kitti2015", "disp_0/", ".png", ".png", "", ""},
     {"eth3d", "low_res_two_view/", ".pfm", ".pfm", ".txt", "runtime "},
 }};
-
-constexpr double kKittiFactor = 256.0;
 
 const SubmissionFormat& findFormat(const DataSet& data_set) {
   const auto* const format = std::find_if(
@@ -69,19 +67,6 @@ bool isMiddleburyTrainingScene(const std::string& scene) {
   return std::any_of(folds.begin(), folds.end(), [&](const std::vector<std::string>& fold) {
     return std::find(fold.begin(), fold.end(), scene) != fold.end();
   });
-}
-
-/// KITTI's: 0 = none, so that no disparity may become 0.
-cv::Mat toKittiImage(const cv::Mat& disparity) {
-  cv::Mat image(disparity.size(), CV_16UC1);
-  for (int y = 0; y < disparity.rows; ++y) {
-    for (int x = 0; x < disparity.cols; ++x) {
-      const double value = std::round(kKittiFactor * disparity.at<float>(y, x));
-      image.at<std::uint16_t>(y, x) =
-          std::isfinite(value) ? cv::saturate_cast<std::uint16_t>(std::max(value, 1.0)) : 0;
-    }
-  }
-  return image;
 }
 
 bool isDense(const cv::Mat& disparity) {
@@ -122,7 +107,7 @@ void SubmissionWriter::write(const StereoScene& scene, const SceneMaps& maps) co
   fs::remove(sparse);
   const std::string& path = isDense(maps.disparity) ? dense : sparse;
   if (fs::path(path).extension() == ".png") {
-    writeImage(path, toKittiImage(maps.disparity));
+    writeImage(path, toKittiDisparity(maps.disparity));
   } else {
     writePfm(path, withInfinities(maps.disparity));
   }

@@ -1,6 +1,8 @@
 #include "cbmv_stereo/io/disparity_file.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 
@@ -12,6 +14,7 @@
 namespace cbmv {
 namespace {
 
+constexpr double kKittiFactor = 256.0;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Without OpenCV's conversions of colours and depths.
@@ -37,6 +40,18 @@ cv::Mat readDisparity(const std::string& path, double divisor) {
     }
   }
   return disparity;
+}
+
+cv::Mat toKittiDisparity(const cv::Mat& disparity) {
+  cv::Mat image(disparity.size(), CV_16UC1);
+  for (int y = 0; y < disparity.rows; ++y) {
+    for (int x = 0; x < disparity.cols; ++x) {
+      const double value = std::round(kKittiFactor * disparity.at<float>(y, x));
+      image.at<std::uint16_t>(y, x) =
+          std::isfinite(value) ? cv::saturate_cast<std::uint16_t>(std::max(value, 1.0)) : 0;
+    }
+  }
+  return image;
 }
 
 }  // namespace cbmv

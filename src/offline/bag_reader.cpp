@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kCachedChunks = 8;
-constexpr std::uint32_t kStampOffset = 4;  // a header begins with its sequence number
+constexpr std::uint64_t kHeldBytes = 16 << 20;  // of the file while it is looked through
+constexpr std::uint32_t kStampOffset = 4;       // a header begins with its sequence number
 
 template <typename Value>
 Value readValue(const std::uint8_t* bytes) {
@@ -130,6 +131,7 @@ BagReader::BagReader(const std::string& path) : path_(path), file_(path) {
 
 void BagReader::walkFile() {
   std::uint64_t begin = kMagic.size();
+  std::uint64_t released = 0;
   Record record;
   findings_.resize(1);
   bool indexed = false;
@@ -147,7 +149,12 @@ void BagReader::walkFile() {
       walkRecords(file_.data(), begin, record.end(), -1, findings_[0]);
     }
     begin = record.end();
+    if (begin - released > kHeldBytes) {
+      file_.release(released, begin - released);
+      released = begin;
+    }
   }
+  file_.release(released, file_.size() - released);
   if (begin != file_.size()) {
     // A chunk that is cut off, if it is not compressed, has whole messages at its beginning.
     if (record.op == rosbag::OP_CHUNK &&
@@ -261,6 +268,7 @@ BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
   } catch (const rosbag::BagException& error) {
     throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what());
   }
+  file_.release(chunk.offset, chunk.packed_size);
   return bytes;
 }
 
@@ -285,7 +293,10 @@ BagReader::Bytes BagReader::unpacked(std::int32_t chunk) const {
 RawMessage BagReader::read(const BagEntry& entry) const {
   const auto& connection = connections_[entry.connection];
   if (entry.chunk < 0) {
-    return {connection, nullptr, file_.data() + entry.offset, entry.size};
+    const std::shared_ptr<const void> pages(
+        file_.data() + entry.offset,
+        [this, entry](const void*) { file_.release(entry.offset, entry.size); });
+    return {connection, pages, file_.data() + entry.offset, entry.size};
   }
   const Bytes bytes = unpacked(entry.chunk);
   return {connection, bytes, bytes->data() + entry.offset, entry.size};

@@ -46,7 +46,8 @@ class BagReader {
   const std::string& damage() const { return damage_; }
 
   /// May be called by several threads at once. The bytes live as long as the reader and the
-  /// message. Throws Error if the chunk cannot be unpacked.
+  /// message; then they need no memory, however long the bag is. Throws Error if the chunk cannot
+  /// be unpacked.
   RawMessage read(const BagEntry& entry) const;
 
  private:

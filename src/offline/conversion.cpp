@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
 
 #include "cbmv_stereo/error.h"
@@ -38,6 +39,9 @@ std::string describeOrigin(const ConversionOptions& options, const FramePlan& pl
   text << "\",\n\"topics\": \"" << plan.topics.left.name << " " << plan.topics.right.name;
   for (const std::string& topic : output_topics) {
     text << " " << topic;
+  }
+  if (options.files) {
+    text << (*options.files == DisparityFormat::kKitti ? " as files for KITTI" : " as files");
   }
   const PlanOptions& part = options.plan;
   text << "\",\n\"part\": \"start " << part.start_s << " s, duration " << part.duration_s
@@ -112,13 +116,25 @@ std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const st
   return ShardLabel{*options.shard, plan.first, plan.frames.size(), 0, damaged, origin + copies};
 }
 
+/// Runs the pipeline; when the output cannot be written, what was written before is kept.
+PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
+                          const ConversionSummary& summary) {
+  try {
+    const PipelineReport report =
+        runPipeline(parts, summary.plan.first + summary.resumed, summary.threads);
+    segments.closePart();
+    return report;
+  } catch (const Error&) {
+    segments.closePart();
+    throw;
+  }
+}
+
 /// Makes the frames that are not in the parts yet.
 void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
-  const PipelineReport report =
-      runPipeline(parts, summary.plan.first + summary.resumed, summary.threads);
-  segments.closePart();
+  const PipelineReport report = runAndKeep(parts, segments, summary);
   summary.seconds = steadySeconds() - begin_s;
   summary.cpu_seconds = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC;
   summary.processed = report.frames;
@@ -127,12 +143,45 @@ void processFrames(const PipelineParts& parts, Segments& segments, ConversionSum
   summary.interrupted = segments.framesDone() < summary.plan.framesToProcess();
 }
 
+void requireFitting(const ConversionOptions& options) {
+  const auto compression = compressionOf(options.compression);
+  const bool compressed = compression != rosbag::compression::Uncompressed;
+  if (options.files && (options.copy || compressed || options.shard)) {
+    const std::string option = options.copy ? "--copy" : compressed ? "--compression" : "--shard";
+    throw Error(option + " is of bags; leave it out, or write a bag");
+  }
+}
+
+void makeMessages(const FrameOutputs& outputs, PipelineParts& parts) {
+  parts.make = [&outputs](const PlannedFrame& /*planned*/, const PreparedFrame& prepared,
+                          const ProcessedFrame& processed) {
+    return outputs.make(prepared, processed);
+  };
+  parts.make_failed = [](const PlannedFrame& /*planned*/, const std::string& /*reason*/) {
+    return std::vector<RawMessage>();
+  };
+}
+
+void makeFiles(const FramePlan& plan, FrameFiles& files, PipelineParts& parts) {
+  const auto number = [&plan](const PlannedFrame& planned) {
+    return static_cast<std::size_t>(&planned - plan.frames.data());
+  };
+  parts.make = [=, &files](const PlannedFrame& planned, const PreparedFrame& prepared,
+                           const ProcessedFrame& processed) {
+    return std::vector<RawMessage>{files.write(number(planned), prepared, processed)};
+  };
+  parts.make_failed = [=, &files](const PlannedFrame& planned, const std::string& reason) {
+    const ros::Time& stamp = planned.left.entry->stamp;
+    return std::vector<RawMessage>{files.failed(number(planned), stamp, reason)};
+  };
+}
+
 }  // namespace
 
 ConversionSummary convertBags(const ConversionOptions& options,
                               const std::shared_ptr<const Forest>& forest,
                               const ConversionEvents& events) {
-  compressionOf(options.compression);  // refuses before anything is done
+  requireFitting(options);  // before anything is done
   const BagSet bags(options.inputs);
   ConversionSummary summary;
   summary.damages = bags.damages();
@@ -146,25 +195,39 @@ ConversionSummary convertBags(const ConversionOptions& options,
   const std::string origin = describeOrigin(options, summary.plan, bags, *forest, outputs.topics());
   const std::optional<ShardLabel> label =
       chooseShard(options, origin, !summary.damages.empty(), summary.plan);
-  Segments segments(options.output, label ? origin + describeShard(label->shard) + "\n" : origin,
-                    options.earlier);
+  const auto files = options.files
+                         ? std::make_unique<FrameFiles>(options.output, outputs, *options.files)
+                         : nullptr;
+  Segments segments(files ? files->indexPath() : options.output,
+                    label ? origin + describeShard(label->shard) + "\n" : origin, options.earlier);
   segments.setFramesPerPart(options.frames_per_part);
   summary.was_complete = segments.isComplete();
   if (summary.was_complete) {
     return summary;
   }
   summary.resumed = segments.framesDone();
+  PipelineParts parts{summary.plan, loader, matcher, {}, {}, {}, events.should_stop};
+  if (files) {
+    files->begin(options.earlier == EarlierParts::kOverwrite);
+    segments.setBeforePart([&] { files->sync(); });
+    makeFiles(summary.plan, *files, parts);
+  } else {
+    makeMessages(outputs, parts);
+  }
   std::size_t done = summary.resumed;
-  const auto write = [&](const std::vector<RawMessage>& messages, const ros::Time& time) {
+  parts.write = [&](const std::vector<RawMessage>& messages, const ros::Time& time) {
     segments.write(messages, time);
     if (events.progress) {
       events.progress(++done, summary.plan.framesToProcess());
     }
   };
-  processFrames({summary.plan, loader, matcher, outputs, write, events.should_stop}, segments,
-                summary);
-  summary.failed = countFailed(segments, outputs.topics().front());
-  if (!summary.interrupted) {
+  processFrames(parts, segments, summary);
+  summary.failed =
+      countFailed(segments, files ? FrameFiles::doneTopic() : outputs.topics().front());
+  if (!summary.interrupted && files) {
+    files->writeIndex(segments.paths());
+    segments.remove();
+  } else if (!summary.interrupted) {
     mergeParts(options, bags, summary, outputs, label, segments);
   }
   return summary;

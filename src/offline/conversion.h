@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "offline/frame_outputs.h"
 #include "offline/frame_plan.h"
 #include "offline/offline_matcher.h"
 #include "offline/segments.h"
@@ -17,7 +18,9 @@ namespace cbmv {
 
 struct ConversionOptions {
   std::vector<std::string> inputs;
-  std::string output;
+  std::string output;  ///< the bag, or the folder
+  /// Of the files in the folder; none: a bag.
+  std::optional<DisparityFormat> files;
   std::vector<std::string> outputs = {"disparity"};  ///< see offlineOutputNames
   std::string compression = "none";
   bool copy = false;  ///< the other topics of the input, too

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "offline/message_files.h"
 #include "ros/conversions.h"
 
 #include "cbmv_stereo/error.h"
@@ -10,6 +11,7 @@
 namespace cbmv {
 namespace {
 
+constexpr const char* kDisparity = "disparity";
 constexpr const char* kCloud = "points2";
 
 /// What the messages of a frame are made from.
@@ -23,40 +25,54 @@ struct Source {
 
 struct OfflineOutput {
   std::string topic;
+  std::string extension;  ///< of its files
   std::function<RawMessage(const Source&, const std::string& topic)> make;
+  std::function<void(const Source&, const std::string& path)> write;
 };
 
 template <typename Make>
-OfflineOutput output(const char* topic, Make make) {
-  return {topic, [make](const Source& source, const std::string& name) {
+OfflineOutput output(const char* topic, const char* extension, Make make) {
+  return {topic, extension,
+          [make](const Source& source, const std::string& name) {
             return toRawMessage(make(source), name);
+          },
+          [make](const Source& source, const std::string& path) {
+            writeMessageFile(path, make(source));
           }};
 }
 
 std::vector<OfflineOutput> offlineOutputs() {
   return {
-      output("disparity",
+      output(kDisparity, ".pfm",
              [](const Source& s) {
                return toDisparityImage(s.result, s.geometry, s.disparity_step_px, s.header);
              }),
-      output("depth", [](const Source& s) { return toDepthImage(s.result, s.geometry, s.header); }),
-      output("depth_raw",
+      output("depth", ".pfm",
+             [](const Source& s) { return toDepthImage(s.result, s.geometry, s.header); }),
+      output("depth_raw", ".png",
              [](const Source& s) { return toRawDepthImage(s.result, s.geometry, s.header); }),
-      output("camera_info",
+      output("camera_info", ".yaml",
              [](const Source& s) {
                return toRectifiedInfo(s.geometry, s.result.disparity.size(), s.header);
              }),
-      output("confidence", [](const Source& s) { return toConfidenceImage(s.result, s.header); }),
-      output("valid_mask", [](const Source& s) { return toValidMask(s.result, s.header); }),
-      output("disparity_color",
+      output("confidence", ".pfm",
+             [](const Source& s) { return toConfidenceImage(s.result, s.header); }),
+      output("valid_mask", ".png", [](const Source& s) { return toValidMask(s.result, s.header); }),
+      output("disparity_color", ".png",
              [](const Source& s) { return toDisparityColorImage(s.result, s.header); }),
-      output(kCloud,
+      output(kCloud, ".ply",
              [](const Source& s) {
                const CloudSource source{toValidDisparity(s.result, s.geometry), s.color(),
                                         s.result.confidence};
                return toPointCloud(source, s.geometry, {}, s.header);
              }),
   };
+}
+
+Source sourceOf(const PreparedFrame& prepared, const ProcessedFrame& processed,
+                const std::string& color_topic) {
+  return {processed.result, processed.geometry, prepared.loaded.messages.left_image->header,
+          processed.disparity_step_px, [&] { return colorOf(prepared, color_topic); }};
 }
 
 }  // namespace
@@ -104,15 +120,33 @@ bool FrameOutputs::needsColor() const {
 
 std::vector<RawMessage> FrameOutputs::make(const PreparedFrame& prepared,
                                            const ProcessedFrame& processed) const {
-  const std_msgs::Header& header = prepared.loaded.messages.left_image->header;
-  const Source source{processed.result, processed.geometry, header, processed.disparity_step_px,
-                      [&] { return colorOf(prepared, color_topic_); }};
+  const Source source = sourceOf(prepared, processed, color_topic_);
   const std::vector<OfflineOutput> outputs = offlineOutputs();
   std::vector<RawMessage> messages;
   for (const std::size_t index : wanted_) {
     messages.push_back(outputs[index].make(source, output_namespace_ + "/" + outputs[index].topic));
   }
   return messages;
+}
+
+std::vector<FrameOutputs::FileKind> FrameOutputs::fileKinds(DisparityFormat format) const {
+  const std::vector<OfflineOutput> outputs = offlineOutputs();
+  std::vector<FileKind> kinds;
+  for (const std::size_t index : wanted_) {
+    const OfflineOutput& output = outputs[index];
+    const bool kitti = output.topic == kDisparity && format == DisparityFormat::kKitti;
+    kinds.push_back({output.topic, kitti ? ".png" : output.extension});
+  }
+  return kinds;
+}
+
+void FrameOutputs::write(const PreparedFrame& prepared, const ProcessedFrame& processed,
+                         const std::vector<std::string>& paths) const {
+  const Source source = sourceOf(prepared, processed, color_topic_);
+  const std::vector<OfflineOutput> outputs = offlineOutputs();
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    outputs[wanted_[i]].write(source, paths[i]);
+  }
 }
 
 }  // namespace cbmv

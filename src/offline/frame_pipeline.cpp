@@ -92,7 +92,11 @@ class Steps {
   }
 
   JobPtr makeMessages(const JobPtr& job) const {
-    attempt(*job, [this](Job& j) { j.messages = parts_.outputs.make(*j.prepared, *j.processed); });
+    attempt(*job,
+            [this](Job& j) { j.messages = parts_.make(*j.planned, *j.prepared, *j.processed); });
+    if (!job->failure.empty()) {
+      job->messages = parts_.make_failed(*job->planned, job->failure);
+    }
     job->prepared.reset();
     job->processed.reset();
     return job;

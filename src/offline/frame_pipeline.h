@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "offline/frame_outputs.h"
 #include "offline/frame_plan.h"
 #include "offline/offline_matcher.h"
+#include "offline/raw_message.h"
 
 namespace cbmv {
 
@@ -17,7 +17,13 @@ struct PipelineParts {
   const FramePlan& plan;
   FrameLoader& loader;
   OfflineMatcher& matcher;
-  const FrameOutputs& outputs;
+  /// Makes what is written of a frame; called by several threads at once.
+  std::function<std::vector<RawMessage>(const PlannedFrame&, const PreparedFrame&,
+                                        const ProcessedFrame&)>
+      make;
+  /// The same of a frame whose messages cannot be used.
+  std::function<std::vector<RawMessage>(const PlannedFrame&, const std::string& reason)>
+      make_failed;
   /// Called with the frames in their order, by one thread at a time.
   std::function<void(const std::vector<RawMessage>& messages, const ros::Time& time)> write;
   std::function<bool()> should_stop;  ///< may be empty
@@ -31,7 +37,7 @@ struct PipelineReport {
 
 /// Takes the frames of the plan from `first` on through loading and preparing (several at once),
 /// matching (one at a time, on `threads` threads), making of messages (several at once) and writing
-/// (in order). A frame whose messages cannot be used is written without messages.
+/// (in order).
 PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int threads);
 
 }  // namespace cbmv

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -45,6 +46,20 @@ class MappedFile {
 
   const std::uint8_t* data() const { return static_cast<const std::uint8_t*>(data_); }
   std::uint64_t size() const { return size_; }
+
+  /// Takes bytes that have been read out of the process's memory; reading brings them back. Without
+  /// it the process holds all of the file in the end. By several threads at once.
+  void release(std::uint64_t offset, std::uint64_t size) const {
+    // The system brings whole blocks of addresses, what lies beside the bytes that are read, too.
+    constexpr std::uintptr_t kBlock = 1 << 16;
+    const auto first = reinterpret_cast<std::uintptr_t>(data_);
+    const std::uintptr_t begin = std::max(first, (first + offset) / kBlock * kBlock);
+    const std::uintptr_t end =
+        std::min(first + size_, (first + offset + size + kBlock - 1) / kBlock * kBlock);
+    if (begin < end) {
+      madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    }
+  }
 
  private:
   static void closeIfOpen(int file) {

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
@@ -34,14 +33,15 @@ struct RawMessage {
 template <typename Message>
 RawMessage toRawMessage(const Message& message, const std::string& topic) {
   namespace traits = ros::message_traits;
-  auto bytes =
-      std::make_shared<std::vector<std::uint8_t>>(ros::serialization::serializationLength(message));
-  ros::serialization::OStream stream(bytes->data(), static_cast<std::uint32_t>(bytes->size()));
+  const std::uint32_t size = ros::serialization::serializationLength(message);
+  // Not a vector, which would set all bytes to 0 first.
+  const std::shared_ptr<std::uint8_t> bytes(new std::uint8_t[size],
+                                            std::default_delete<std::uint8_t[]>());
+  ros::serialization::OStream stream(bytes.get(), size);
   ros::serialization::serialize(stream, message);
   const BagConnection connection{topic, traits::datatype(message), traits::md5sum(message),
                                  traits::definition(message), nullptr};
-  return {std::make_shared<const BagConnection>(connection), bytes, bytes->data(),
-          static_cast<std::uint32_t>(bytes->size())};
+  return {std::make_shared<const BagConnection>(connection), bytes, bytes.get(), size};
 }
 
 /// Throws ros::serialization::StreamOverrunException if the bytes are too few.

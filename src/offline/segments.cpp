@@ -195,6 +195,9 @@ void Segments::closePart() {
   if (!writer_) {
     return;
   }
+  if (before_part_) {
+    before_part_();
+  }
   const std::string path = partPath(done_, taken_);
   const std::unique_ptr<BagWriter> writer = std::move(writer_);
   writer->finish(path);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "offline/bag_set.h"
@@ -56,6 +57,8 @@ class Segments {
   /// Removes all parts: the output is complete.
   void remove();
   void setFramesPerPart(std::size_t frames) { frames_per_part_ = frames; }
+  /// Called before a part gets its name.
+  void setBeforePart(std::function<void()> action) { before_part_ = std::move(action); }
 
  private:
   void findParts();
@@ -66,6 +69,7 @@ class Segments {
   std::string output_;
   std::string origin_path_;
   FreeSpace free_space_;
+  std::function<void()> before_part_;
   std::unique_ptr<LockFile> lock_;
   std::size_t frames_per_part_ = 50;
   bool complete_ = false;

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <fstream>
 
 #include <nlohmann/json.hpp>
 
@@ -23,6 +24,17 @@ double perFrame(double seconds, std::size_t frames) {
 
 double framesPerSecond(const ConversionSummary& summary) {
   return summary.seconds > 0 ? static_cast<double>(summary.processed) / summary.seconds : 0;
+}
+
+/// The most memory that this process has had, files that it reads included, MB of 2^20 bytes.
+double peakMemoryMb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("VmHWM:", 0) == 0) {
+      return std::stod(line.substr(6)) / 1024;
+    }
+  }
+  return 0;
 }
 
 }  // namespace
@@ -76,6 +88,7 @@ std::string summaryJson(const ConversionSummary& summary) {
       {"frames_per_second", framesPerSecond(summary)},
       {"matching_ms", 1000 * perFrame(summary.matching_seconds, summary.processed)},
       {"processor_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
+      {"peak_memory_mb", peakMemoryMb()},
       {"threads", summary.threads}};
   return json.dump(2) + "\n";
 }

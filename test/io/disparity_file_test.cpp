@@ -42,6 +42,15 @@ TEST(DisparityFile, TakesFloatsThatAreNotFiniteAsUnknown) {
   EXPECT_TRUE(std::isnan(disparity.at<float>(0, 3)));
 }
 
+TEST(DisparityFile, KittiHas256LevelsAPixelAndZeroForNone) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const cv::Mat image =
+      toKittiDisparity((cv::Mat_<float>(1, 6) << 1.5F, 0.0F, -1.0F, 300.0F, infinity, NAN));
+  ASSERT_EQ(image.type(), CV_16UC1);
+  EXPECT_EQ(cv::countNonZero(image != (cv::Mat_<std::uint16_t>(1, 6) << 384, 1, 1, 65535, 0, 0)),
+            0);
+}
+
 TEST(DisparityFile, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& path) {

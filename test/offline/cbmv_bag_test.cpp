@@ -1,7 +1,10 @@
 // The program cbmv_bag: kills, exit status and what it says.
 
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <random>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -10,6 +13,8 @@
 #include <unistd.h>
 
 #include "recording.h"
+#include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
@@ -32,7 +37,9 @@ class CbmvBagTest : public testing::Test {
             "--forest",
             folder_.file("fixture.forest"),
             "--disparities",
-            "16"};
+            "16",
+            "--preset",
+            CBMV_SOURCE_DIR "/config/realtime.yaml"};
   }
   Outcome run(const std::string& output, const std::string& more = "",
               const std::string& environment = "") const {
@@ -42,20 +49,24 @@ class CbmvBagTest : public testing::Test {
     }
     return test::run("cbmv_bag", line + more, environment);
   }
-  std::size_t parts(const std::string& output) const {
+  /// The parts of an output, or the files of a folder.
+  std::size_t filesThatBegin(const std::string& name) const {
+    const fs::path path = folder_.file(name);
+    std::error_code no_folder;
     std::size_t found = 0;
-    for (const auto& file : fs::directory_iterator(fs::path(folder_.file(output)).parent_path())) {
-      found += file.path().filename().string().find(output + ".part.0") == 0;
+    for (const auto& file : fs::directory_iterator(path.parent_path(), no_folder)) {
+      found += file.path().filename().string().find(path.filename().string()) == 0;
     }
     return found;
   }
-  /// Starts the program with --resume; kills it `delay` after it has written `more` parts.
-  void runAndKill(const std::string& output, std::size_t more,
-                  std::chrono::microseconds delay) const {
-    const std::size_t wanted = parts(output) + more;
+  std::size_t parts(const std::string& output) const { return filesThatBegin(output + ".part.0"); }
+
+  /// Starts the program with --resume.
+  pid_t start(const std::string& output, const std::vector<std::string>& more) const {
     std::vector<std::string> words = arguments(output);
     words.insert(words.begin(), CBMV_TOOLS_DIR "/cbmv_bag");
     words.insert(words.end(), {"--frames-per-part", "2", "--resume"});
+    words.insert(words.end(), more.begin(), more.end());
     std::vector<char*> argv;
     for (std::string& word : words) {
       argv.push_back(word.data());
@@ -63,35 +74,143 @@ class CbmvBagTest : public testing::Test {
     argv.push_back(nullptr);
     const pid_t child = fork();
     if (child == 0) {
+      static_cast<void>(std::freopen("/dev/null", "w", stdout));
       execv(argv[0], argv.data());
       _exit(127);
     }
-    int status = 0;
-    while (parts(output) < wanted && waitpid(child, &status, WNOHANG) == 0) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    std::this_thread::sleep_for(delay);
-    kill(child, SIGKILL);
-    waitpid(child, &status, 0);
-    EXPECT_TRUE(WIFSIGNALED(status)) << "ended before it was killed";
+    return child;
   }
 
   TemporaryFolder folder_;
 };
 
-TEST_F(CbmvBagTest, KillsLoseNothing) {
-  writeRecording(folder_.file("in.bag"), 40);
-  ASSERT_EQ(run("whole.bag").status, 0);
-  for (int kills = 0; kills < 6; ++kills) {
-    runAndKill("killed.bag", kills % 3, std::chrono::microseconds(2700 * kills));
-    EXPECT_FALSE(fs::exists(folder_.file("killed.bag")));
+/// Whether the program was still running.
+bool killHard(pid_t child) {
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
+/// Kills at random moments, and compares what a run that goes on afterwards leaves.
+class KilledCbmvBagTest : public CbmvBagTest {
+ protected:
+  KilledCbmvBagTest() {
+    writeRecording(folder_.file("in.bag"), 40, nullptr, rosbag::compression::Uncompressed,
+                   {192, 128});
+    std::printf("seed %u\n", seed_);
+    std::fflush(stdout);
   }
-  EXPECT_GE(parts("killed.bag"), 4U);
-  EXPECT_EQ(run("killed.bag", "--resume").status, 0);
-  EXPECT_EQ(parts("killed.bag"), 0U);
+  /// Kills `times` times, then lets the program end.
+  void killAndResume(const std::string& output, const std::string& complete_file, int times,
+                     const std::vector<std::string>& more) {
+    std::uniform_real_distribution<double> delay_s(0, longest_s_);
+    int kills = 0;
+    int left_parts = 0;  // kills; one at least has to, or nothing would be resumed
+    while (kills < times || (left_parts == 0 && kills < 20 * times)) {
+      const pid_t child = start(output, more);
+      std::this_thread::sleep_for(std::chrono::duration<double>(delay_s(random_)));
+      kills += static_cast<int>(killHard(child));
+      left_parts += static_cast<int>(parts(complete_file) > 0);
+      if (fs::exists(folder_.file(complete_file))) {
+        fs::remove_all(folder_.file(output));  // it was done: once more
+      }
+    }
+    EXPECT_GT(left_parts, 0) << "all were killed before they had done anything";
+    int status = 0;
+    waitpid(start(output, more), &status, 0);
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(parts(complete_file), 0U);
+  }
+  /// Of a run that is not disturbed; the kills come in that time.
+  void runWhole(const std::string& output, const std::string& more) {
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_EQ(run(output, "--frames-per-part 2 " + more).status, 0);
+    longest_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+  const unsigned seed_ = std::random_device()();
+  std::mt19937 random_{seed_};
+  double longest_s_ = 0;
+};
+
+TEST_F(KilledCbmvBagTest, LosesNoMessage) {
+  runWhole("whole.bag", "");
+  killAndResume("killed.bag", "killed.bag", 10, {});
   const Content whole = messagesOf(folder_.file("whole.bag"));
-  EXPECT_EQ(whole.size(), 40U);
-  EXPECT_TRUE(whole == messagesOf(folder_.file("killed.bag")));
+  const Content killed = messagesOf(folder_.file("killed.bag"));
+  ASSERT_EQ(whole.size(), 40U);
+  ASSERT_EQ(killed.size(), 40U);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_TRUE(killed[i] == whole[i]) << "message " << i;
+  }
+}
+
+TEST_F(KilledCbmvBagTest, LosesNoFile) {
+  const std::vector<std::string> more = {"--format", "files", "--write", "disparity,depth_raw"};
+  runWhole("whole", "--format files --write disparity,depth_raw");
+  killAndResume("killed", "killed/index.csv", 4, more);
+  for (const char* name : {"index.csv", "disparity", "depth_raw"}) {
+    const std::string compare =
+        "diff -r " + folder_.file("whole") + "/" + name + " " + folder_.file("killed") + "/" + name;
+    EXPECT_EQ(std::system(compare.c_str()), 0) << name;
+  }
+  EXPECT_EQ(filesThatBegin("killed/disparity/0"), 40U);
+}
+
+/// Packing takes most of the merge, so that it is hit; what is there of the output is not taken for
+/// one.
+TEST_F(KilledCbmvBagTest, LosesNothingInTheMerge) {
+  runWhole("whole.bag", "");
+  const std::vector<std::string> more = {"--compression", "bz2"};
+  const std::string unfinished = folder_.file("killed.bag.part.writing");
+  for (int kills = 0; kills < 3; ++kills) {
+    const pid_t child = start("killed.bag", more);
+    while (!fs::exists(unfinished) && waitpid(child, nullptr, WNOHANG) == 0) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(15 * kills));
+    EXPECT_TRUE(killHard(child)) << "ended before it was killed";
+    EXPECT_FALSE(fs::exists(folder_.file("killed.bag")));
+    EXPECT_EQ(parts("killed.bag"), 20U);
+  }
+  EXPECT_TRUE(fs::exists(unfinished)) << "not killed in the merge";
+  EXPECT_EQ(run("killed.bag", "--resume --compression bz2").status, 0);
+  EXPECT_TRUE(messagesOf(folder_.file("killed.bag")) == messagesOf(folder_.file("whole.bag")));
+  EXPECT_EQ(filesThatBegin("killed.bag"), 1U) << "parts are left";
+}
+
+/// The number behind a key of the summary.
+double numberIn(const std::string& json, const std::string& key) {
+  const std::size_t place = json.find("\"" + key + "\": ");
+  return place == std::string::npos ? 0 : std::stod(json.substr(place + key.size() + 4));
+}
+
+TEST_F(CbmvBagTest, MemoryDoesNotGrowWithTheRecording) {
+  std::vector<double> peak_mb;
+  for (const int frames : {40, 400}) {
+    writeRecording(folder_.file("in.bag"), frames, nullptr, rosbag::compression::Uncompressed,
+                   {320, 240});
+    ASSERT_EQ(run("out.bag", "--overwrite --threads 2 --frames-per-part 5 --json " +
+                                 folder_.file("summary.json"))
+                  .status,
+              0);
+    const std::string summary = contentOf(folder_.file("summary.json"));
+    EXPECT_EQ(numberIn(summary, "frames_processed"), frames);
+    peak_mb.push_back(numberIn(summary, "peak_memory_mb"));
+  }
+  EXPECT_GT(peak_mb[0], 10);
+  EXPECT_LT(peak_mb[1], 1.05 * peak_mb[0]);
+}
+
+/// Frames that need too much memory fail; the sentence is in the summary and in the index.
+TEST_F(CbmvBagTest, RefusesWhatNeedsTooMuchMemory) {
+  writeRecording(folder_.file("in.bag"), 2);
+  EXPECT_EQ(run("out/", "--max-memory-mb 1 --json " + folder_.file("summary.json")).status, 3);
+  for (const char* file : {"summary.json", "out/index.csv"}) {
+    EXPECT_TRUE(mentions(contentOf(folder_.file(file)), {"max_memory_mb allows 1"})) << file;
+  }
+  EXPECT_EQ(run("out/", "--max-memory-mb 100 --overwrite").status, 0);
 }
 
 TEST_F(CbmvBagTest, RefusesWithOneSentence) {
@@ -100,6 +219,8 @@ TEST_F(CbmvBagTest, RefusesWithOneSentence) {
   expectRefusal(run("out.bag", "--compression zip"), {"'zip'", "lz4"});
   expectRefusal(run("out.bag", "--write flow"), {"'flow'"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
+  EXPECT_EQ(run("out.bag", "--format video").status, 2);
+  expectRefusal(run("in.bag/", ""), {"in.bag", "folder"});
 }
 
 TEST_F(CbmvBagTest, RefusesDifferentFrameIdsIfAsked) {
@@ -129,6 +250,17 @@ TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
   EXPECT_EQ(run("out.bag", "--resume").status, 0);
   EXPECT_EQ(messagesOf(folder_.file("out.bag")).size(), 6U);
+}
+
+/// The same with files: the frames before are kept.
+TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
+  writeRecording(folder_.file("in.bag"), 4);
+  const Outcome outcome = run("out/", "--write disparity,cloud", "ulimit -f 60;");
+  expectRefusal(outcome, {"Cannot write", "points2/", "room"});
+  EXPECT_FALSE(fs::exists(folder_.file("out/index.csv")));
+  EXPECT_EQ(filesThatBegin("out/points2/."), 0U) << "an unfinished file is left";
+  EXPECT_EQ(run("out/", "--write disparity,cloud --resume").status, 0);
+  EXPECT_EQ(filesThatBegin("out/points2/0"), 4U);
 }
 
 }  // namespace

@@ -34,12 +34,13 @@ inline void writeFrame(rosbag::Bag& bag, const PairMessages& messages) {
 /// Writes a bag; `fill` may add more.
 inline std::string writeRecording(
     const std::string& path, int frames, const std::function<void(rosbag::Bag&)>& fill = nullptr,
-    rosbag::CompressionType compression = rosbag::compression::Uncompressed) {
+    rosbag::CompressionType compression = rosbag::compression::Uncompressed,
+    cv::Size size = {96, 64}) {
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   bag.setCompression(compression);
   bag.setChunkThreshold(20000);  // several chunks also in small bags
   for (int frame = 0; frame < frames; ++frame) {
-    writeFrame(bag, recordedFrame(frame));
+    writeFrame(bag, recordedFrame(frame, size));
   }
   if (fill) {
     fill(bag);

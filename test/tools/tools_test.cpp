@@ -1,11 +1,13 @@
 // The command-line programs as a user meets them: what they write, what they say of bad input.
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "support/file_content.h"
 #include "support/rendered_data_set.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
@@ -13,8 +15,10 @@
 #include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/camera_yaml.h"
 #include "cbmv_stereo/io/image_file.h"
 #include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv::test {
@@ -67,6 +71,87 @@ TEST_F(ToolsTest, MatchRefusesWhatNeedsTooMuchMemory) {
   expectRefusal(run("cbmv_match", path("left.png") + " " + path("right.png") + " --forest " +
                                       kForest + " --preset " + preset + " --output " + path("out")),
                 {"64 disparities need", "MB", "max_memory_mb allows 2"});
+}
+
+TEST_F(ToolsTest, MatchOptionsWinOverThePreset) {
+  const std::string preset = folder_.write("wide.yaml", "max_memory_mb: 2\ndisparity_range: 99\n");
+  const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --output " + path("out") + " --preset " + preset;
+  expectRefusal(run("cbmv_match", pair + " --disparities 24"), {"24 disparities need", "allows 2"});
+  expectRefusal(run("cbmv_match", pair + " --max-memory-mb 3"),
+                {"99 disparities need", "allows 3"});
+  EXPECT_EQ(run("cbmv_match", pair + " --disparities 24 --max-memory-mb 0").status, 0);
+}
+
+/// As many pixels to the left as the disparities are lower.
+TEST_F(ToolsTest, MatchFindsNegativeDisparities) {
+  const int shift = 20;
+  writeImage(path("moved.png"), scene_.right.colRange(0, 160 - shift));
+  writeImage(path("cut.png"), scene_.left.colRange(shift, 160));
+  const Outcome outcome =
+      run("cbmv_match", path("cut.png") + " " + path("moved.png") + " --forest " + kForest +
+                            " --disparities 32 --min-disparity -20 --output " + path("out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  // What lies farther to the right is not in the right image any more.
+  const cv::Range seen(shift, 160 - shift);
+  const cv::Mat truth = scene_.truth.colRange(seen) - shift;
+  const cv::Mat disparity = readPfm(path("out/disparity.pfm")).colRange(0, truth.cols);
+  EXPECT_LT(evaluateDisparity(disparity, truth, scene_.visible.colRange(seen), -21).bad_1, 4.0);
+}
+
+/// The vertices of a binary PLY file from writePly.
+std::vector<ColoredPoint> readPly(const std::string& path) {
+  const std::string content = contentOf(path);
+  const std::string end = "end_header\n";
+  const std::size_t begin = content.find(end) + end.size();
+  std::vector<ColoredPoint> points((content.size() - begin) / 15);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::memcpy(&points[i], content.data() + begin + 15 * i, 15);
+  }
+  return points;
+}
+
+TEST_F(ToolsTest, MatchWritesDepthAndCloudOfACalibratedPair) {
+  const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --disparities 32 --output ";
+  const StereoCalibration rig{200, 80, 83, 50, 0.1, 160, 100, 32};
+  writeMiddleburyCalibration(path("calib.txt"), rig);
+  ASSERT_EQ(run("cbmv_match", pair + path("out") + " --calibration " + path("calib.txt")).status,
+            0);
+  const cv::Mat disparity = readPfm(path("out/disparity.pfm"));
+  const cv::Mat depth = readPfm(path("out/depth.pfm"));
+  const std::vector<ColoredPoint> points = readPly(path("out/cloud.ply"));
+  EXPECT_NEAR(depth.at<float>(50, 90), 20 / (disparity.at<float>(50, 90) + 3), 1e-4);
+  ASSERT_EQ(points.size(), depth.total());  // all filled in
+  EXPECT_NEAR(points[50 * 160 + 90].x, 10 * depth.at<float>(50, 90) / 200, 1e-5);
+
+  CameraCalibration camera;
+  camera.name = "left";
+  camera.width = 160;
+  camera.height = 100;
+  camera.distortion_model = "plumb_bob";
+  camera.projection = {200, 0, 80, 0, 0, 200, 50, 0, 0, 0, 1, 0};
+  writeCameraYaml(path("left.yaml"), camera);
+  camera.projection[2] = 83;
+  camera.projection[3] = -20;
+  writeCameraYaml(path("right.yaml"), camera);
+  ASSERT_EQ(run("cbmv_match", pair + path("ros") + " --calibration " + path("left.yaml") +
+                                  " --right-calibration " + path("right.yaml"))
+                .status,
+            0);
+  EXPECT_EQ(contentOf(path("ros/cloud.ply")), contentOf(path("out/cloud.ply")));
+}
+
+TEST_F(ToolsTest, MatchSaysWhatIsWrongWithTheCalibration) {
+  const std::string rest = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --output " + path("out") + " --calibration ";
+  expectRefusal(run("cbmv_match", rest + path("none.txt")), {path("none.txt"), "no such file"});
+  expectRefusal(run("cbmv_match", rest + path("text.png")), {path("text.png"), "cam0"});
+  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "--right-calibration"});
+  writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 320, 200, 32});
+  expectRefusal(run("cbmv_match", rest + path("calib.txt")),
+                {path("calib.txt"), "320x200", path("left.png"), "160x100"});
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 
 TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {

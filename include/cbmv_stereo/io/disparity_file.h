@@ -12,4 +12,8 @@ namespace cbmv {
 /// Throws Error naming the file when it is missing, malformed or of another type.
 cv::Mat readDisparity(const std::string& path, double divisor);
 
+/// Disparities (CV_32FC1, px; not finite = none) as the CV_16UC1 image that KITTI takes: 256 times
+/// px, rounded; 0 = none, so that no disparity becomes 0.
+cv::Mat toKittiDisparity(const cv::Mat& disparity);
+
 }  // namespace cbmv
