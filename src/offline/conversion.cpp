@@ -176,6 +176,29 @@ void makeFiles(const FramePlan& plan, FrameFiles& files, PipelineParts& parts) {
   };
 }
 
+/// What is to be done, nothing of which is done yet.
+ConversionSummary planConversion(const ConversionOptions& options, const BagSet& bags) {
+  ConversionSummary summary;
+  summary.damages = bags.damages();
+  PlanOptions plan = options.plan;
+  plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
+  summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), plan);
+  summary.threads = threadsOf(options.matching.stereo);
+  return summary;
+}
+
+/// Writes what a frame has become, and tells how far it is.
+decltype(PipelineParts::write) writerOf(Segments& segments, const ConversionEvents& events,
+                                        const ConversionSummary& summary) {
+  return [&segments, &events, done = summary.resumed, total = summary.plan.framesToProcess()](
+             const std::vector<RawMessage>& messages, const ros::Time& time) mutable {
+    segments.write(messages, time);
+    if (events.progress) {
+      events.progress(++done, total);
+    }
+  };
+}
+
 }  // namespace
 
 ConversionSummary convertBags(const ConversionOptions& options,
@@ -183,15 +206,8 @@ ConversionSummary convertBags(const ConversionOptions& options,
                               const ConversionEvents& events) {
   requireFitting(options);  // before anything is done
   const BagSet bags(options.inputs);
-  ConversionSummary summary;
-  summary.damages = bags.damages();
-  PlanOptions plan = options.plan;
-  plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
-  summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), plan);
-  summary.threads = threadsOf(options.matching.stereo);
+  ConversionSummary summary = planConversion(options, bags);
   const FrameOutputs outputs(options.outputs, summary.plan.topics);
-  FrameLoader loader(summary.plan.topics, outputs.needsColor());
-  OfflineMatcher matcher(forest, options.matching);
   const std::string origin = describeOrigin(options, summary.plan, bags, *forest, outputs.topics());
   const std::optional<ShardLabel> label =
       chooseShard(options, origin, !summary.damages.empty(), summary.plan);
@@ -206,6 +222,8 @@ ConversionSummary convertBags(const ConversionOptions& options,
     return summary;
   }
   summary.resumed = segments.framesDone();
+  FrameLoader loader(summary.plan.topics, outputs.needsColor());
+  OfflineMatcher matcher(forest, options.matching);
   PipelineParts parts{summary.plan, loader, matcher, {}, {}, {}, events.should_stop};
   if (files) {
     files->begin(options.earlier == EarlierParts::kOverwrite);
@@ -214,13 +232,7 @@ ConversionSummary convertBags(const ConversionOptions& options,
   } else {
     makeMessages(outputs, parts);
   }
-  std::size_t done = summary.resumed;
-  parts.write = [&](const std::vector<RawMessage>& messages, const ros::Time& time) {
-    segments.write(messages, time);
-    if (events.progress) {
-      events.progress(++done, summary.plan.framesToProcess());
-    }
-  };
+  parts.write = writerOf(segments, events, summary);
   processFrames(parts, segments, summary);
   summary.failed =
       countFailed(segments, files ? FrameFiles::doneTopic() : outputs.topics().front());
