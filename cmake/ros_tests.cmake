@@ -78,3 +78,12 @@ foreach(name ${launch_files})
   configure_file(${PROJECT_SOURCE_DIR}/test/ros/${name}.test.in ${launch_file} @ONLY)
   add_rostest(${launch_file} DEPENDENCIES ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
 endforeach()
+
+# The node under load for a minute: scripts/soak runs it and soak_driver, which feeds and measures it.
+add_executable(soak_driver EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/soak_driver.cpp)
+cbmv_link_ros_test(soak_driver)
+target_link_libraries(soak_driver PRIVATE ${catkin_LIBRARIES} CLI11::CLI11 nlohmann_json::nlohmann_json)
+add_test(NAME soak_test
+         COMMAND ${PROJECT_SOURCE_DIR}/scripts/soak --build ${PROJECT_BINARY_DIR} --seconds 60
+                 --size 160x120 --disparities 32 --json ${PROJECT_BINARY_DIR}/test/soak.json)
+set_tests_properties(soak_test PROPERTIES RUN_SERIAL TRUE TIMEOUT 300)

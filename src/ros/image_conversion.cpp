@@ -1,6 +1,9 @@
 #include "ros/image_conversion.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <cv_bridge/cv_bridge.h>
@@ -18,8 +21,8 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
            static_cast<std::size_t>(encodings::numChannels(message.encoding));
   } catch (const std::runtime_error&) {
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding +
-                         "', which is unknown; mono8 or a colour encoding would be right");
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", which is unknown; mono8 or a colour encoding would be right");
   }
 }
 
@@ -33,7 +36,7 @@ void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
     throw InputError(InputFault::kTruncatedImage,
                      topic + " has a step of " + std::to_string(message.step) +
                          " bytes, a row of " + std::to_string(message.width) + " px " +
-                         message.encoding + " needs " + std::to_string(row_bytes));
+                         quoted(message.encoding) + " needs " + std::to_string(row_bytes));
   }
   const std::size_t image_bytes = static_cast<std::size_t>(message.step) * message.height;
   if (message.data.size() != image_bytes) {
@@ -69,8 +72,8 @@ cv::Mat decode(const sensor_msgs::Image& message, const boost::shared_ptr<const 
     return cv_bridge::toCvShare(message, owner, encoding)->image;
   } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding +
-                         "', which cannot be converted to " + encoding + ": " + error.what());
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", which cannot be converted to " + encoding + ": " + error.what());
   }
 }
 
@@ -133,8 +136,8 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   const std::string& right = messages.right_image->header.frame_id;
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
-                     both + " differ in frame_id ('" + left + "' and '" + right +
-                         "'); a rectified pair has the left camera's, or set the parameter "
+                     both + " differ in frame_id (" + quoted(left) + " and " + quoted(right) +
+                         "); a rectified pair has the left camera's, or set the parameter "
                          "allow_different_frame_ids");
   }
 }
@@ -145,8 +148,23 @@ std::string sizeText(cv::Size size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " px";
 }
 
+std::string quoted(const std::string& text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown = text.substr(0, kLongest);
+  std::replace_if(
+      shown.begin(), shown.end(),
+      [](char letter) { return std::isprint(static_cast<unsigned char>(letter)) == 0; }, '?');
+  return "'" + shown + (text.size() > kLongest ? "...'" : "'");
+}
+
+cv::Size toSize(std::uint32_t width, std::uint32_t height) {
+  constexpr std::uint32_t kLargest = std::numeric_limits<int>::max();
+  return {static_cast<int>(std::min(width, kLargest)),
+          static_cast<int>(std::min(height, kLargest))};
+}
+
 cv::Size imageSize(const sensor_msgs::Image& message) {
-  return {static_cast<int>(message.width), static_cast<int>(message.height)};
+  return toSize(message.width, message.height);
 }
 
 GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
@@ -179,8 +197,9 @@ cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv:
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding + "'; 32FC1 would be right");
+    throw InputError(
+        InputFault::kUnsupportedEncoding,
+        topic + " has the encoding " + quoted(message.encoding) + "; 32FC1 would be right");
   }
   checkImage(message, topic);
   return cv_bridge::toCvShare(message, nullptr)->image;

@@ -81,7 +81,7 @@ void StereoDiagnostics::setWanted(bool wanted, ros::SteadyTime now) {
     wanted_ = wanted;
     waiting_since_ = now;
     silence_report_.clear();
-    for (RecentValues* values : {&pairs_, &results_, &ages_, &busy_, &faults_}) {
+    for (RecentValues* values : {&pairs_, &results_, &ages_, &busy_, &faults_, &wrong_stamps_}) {
       values->clear();
     }
   }
@@ -97,6 +97,12 @@ void StereoDiagnostics::received(ros::SteadyTime now) {
 void StereoDiagnostics::silent(const std::string& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   silence_report_ = report;
+}
+
+void StereoDiagnostics::stampsAreWrong(const std::string& report, ros::SteadyTime now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  stamp_report_ = report;
+  wrong_stamps_.add(now);
 }
 
 void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now) {
@@ -149,10 +155,13 @@ void StereoDiagnostics::describeInput(Status& status, ros::SteadyTime now) const
   } else if (silenceS(now) > limits_.silence_s) {
     status.summary(DiagnosticStatus::ERROR,
                    "no pair of images for " + number(silenceS(now), 0) + " s");
+  } else if (wrong_stamps_.count(now) > 0) {
+    status.summary(DiagnosticStatus::WARN, stamp_report_);
   } else {
     status.summary(DiagnosticStatus::OK, "pairs of images at " + rate + " Hz");
   }
   status.add("pairs (Hz)", rate);
+  status.add("last wrong stamps", stamp_report_.empty() ? "none" : stamp_report_);
   status.add("report", silence_report_);
 }
 

@@ -49,7 +49,8 @@ class StereoNodelet : public nodelet::Nodelet {
   /// Called when a subscriber of an output comes or goes.
   void updateSubscriptions();
   void updateColorSubscription();
-  void reportSilence();
+  void watch();
+  void reportInputs();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
   StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
@@ -82,7 +83,8 @@ class StereoNodelet : public nodelet::Nodelet {
   std::optional<ColorBuffer> colors_;
   std::unique_ptr<StereoDiagnostics> diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer watch_timer_;  ///< looks after silence and diagnostics
+  ros::SteadyTime last_update_;  ///< of diagnostics
+  ros::WallTimer watch_timer_;   ///< looks after inputs and diagnostics
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;

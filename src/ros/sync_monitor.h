@@ -3,12 +3,16 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <ros/time.h>
 
 namespace cbmv {
+
+/// The stamp of a message beside that of the one before it on the same topic.
+enum class StampOrder { kLater, kSame, kEarlier, kFarEarlier };
 
 /// Watches topics whose messages have to be paired by their stamps, and tells people why nothing
 /// comes of them. Callable from several threads. Needs no master.
@@ -19,7 +23,7 @@ class SyncMonitor {
 
   /// Begins to wait for a set: what came before does not count.
   void restart(ros::SteadyTime now);
-  void received(std::size_t topic, const ros::Time& stamp);
+  StampOrder received(std::size_t topic, const ros::Time& stamp);
   void synchronized(ros::SteadyTime now);
 
   /// What is said about a topic besides its messages.
@@ -34,6 +38,12 @@ class SyncMonitor {
   /// first topic.
   std::string report(ros::SteadyTime now, const std::vector<TopicState>& states);
 
+  /// What was wrong with stamps since the last call: topics (`names`) on which they went back or
+  /// came twice; else empty.
+  std::string reportStamps(const std::vector<std::string>& names);
+
+  /// Messages that come out of order by less are none of another time.
+  static constexpr double kJumpS = 0.5;
   static constexpr double kFirstReportS = 4;
   static constexpr double kNextReportS = 30;
 
@@ -43,6 +53,14 @@ class SyncMonitor {
     std::deque<ros::Time> stamps;  ///< the newest
   };
 
+  /// Stamps of a topic since it was subscribed.
+  struct Stamps {
+    std::optional<ros::Time> newest;
+    double largest_step_back_s = 0;  ///< not reported yet
+    int repeated = 0;                ///< not reported yet
+  };
+
+  static StampOrder compare(const ros::Time& stamp, Stamps& stamps);
   void beginWindow(ros::SteadyTime now, double patience_s);
   std::string describe(const std::vector<TopicState>& states, double elapsed_s) const;
   std::string describeTopic(std::size_t index, const TopicState& state, double elapsed_s) const;
@@ -52,6 +70,7 @@ class SyncMonitor {
   const std::string remedy_;
   mutable std::mutex mutex_;
   std::vector<Topic> topics_;
+  std::vector<Stamps> stamps_;
   ros::SteadyTime window_start_;
   double patience_s_ = kFirstReportS;
 };

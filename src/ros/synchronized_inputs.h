@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -77,20 +78,11 @@ class SynchronizedInputs {
         options_(SyncOptions::read(parameters)),
         callback_(std::move(callback)),
         monitor_(kTopics, remedy()) {
-    // Before the synchronizer: a message is counted before the set that it completes.
-    watch(first_, 0);
-    watch(second_, 1);
-    watch(third_, 2);
-    watch(fourth_, 3);
-    if (options_.approximate) {
-      ApproximatePolicy policy(static_cast<std::uint32_t>(options_.queue_size));
-      if (options_.max_interval_s > 0) {
-        policy.setMaxIntervalDuration(ros::Duration(options_.max_interval_s));
-      }
-      approximate_ = makeSynchronizer(policy);
-    } else {
-      exact_ = makeSynchronizer(ExactPolicy(static_cast<std::uint32_t>(options_.queue_size)));
-    }
+    connect<0>(first_);
+    connect<1>(second_);
+    connect<2>(third_);
+    connect<3>(fourth_);
+    beginPairing();
   }
 
   const SyncOptions& options() const { return options_; }
@@ -105,6 +97,7 @@ class SynchronizedInputs {
     third_.open(nh_, transport_, topics_[2], queue, hints_);
     fourth_.open(nh_, transport_, topics_[3], queue, hints_);
     monitor_.restart(ros::SteadyTime::now());
+    beginPairing();
     subscribed_ = true;
   }
 
@@ -132,6 +125,12 @@ class SynchronizedInputs {
     return names;
   }
 
+  /// What has been wrong with stamps since the last call (SyncMonitor); else empty.
+  std::string reportStamps() {
+    const auto names = topics();
+    return monitor_.reportStamps({names.begin(), names.end()});
+  }
+
   /// A report to people if messages are waited for and none are paired (SyncMonitor); else empty.
   std::string reportSilence() {
     if (!subscribed_) {
@@ -148,21 +147,58 @@ class SynchronizedInputs {
   using ExactPolicy = message_filters::sync_policies::ExactTime<M0, M1, M2, M3>;
   using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<M0, M1, M2, M3>;
 
+  /// Drops what waits for partners. The synchronizers let old stamps go first: messages that wait
+  /// with stamps of a time to come would keep all others from being paired until then.
+  void beginPairing() {
+    const auto queue = static_cast<std::uint32_t>(options_.queue_size);
+    const std::lock_guard<std::mutex> lock(pairing_mutex_);
+    if (!options_.approximate) {
+      exact_ = makeSynchronizer(ExactPolicy(queue));
+      return;
+    }
+    ApproximatePolicy policy(queue);
+    if (options_.max_interval_s > 0) {
+      policy.setMaxIntervalDuration(ros::Duration(options_.max_interval_s));
+    }
+    approximate_ = makeSynchronizer(policy);
+  }
+
   template <typename Policy>
-  std::shared_ptr<message_filters::Synchronizer<Policy>> makeSynchronizer(const Policy& policy) {
-    auto synchronizer = std::make_shared<message_filters::Synchronizer<Policy>>(
-        policy, first_, second_, third_, fourth_);
+  std::unique_ptr<message_filters::Synchronizer<Policy>> makeSynchronizer(const Policy& policy) {
+    auto synchronizer = std::make_unique<message_filters::Synchronizer<Policy>>(policy);
     synchronizer->registerCallback(boost::bind(&SynchronizedInputs::receive, this,
                                                boost::placeholders::_1, boost::placeholders::_2,
                                                boost::placeholders::_3, boost::placeholders::_4));
     return synchronizer;
   }
 
-  template <typename Message>
-  void watch(InputTopic<Message>& input, std::size_t index) {
-    input.registerCallback([this, index](const boost::shared_ptr<const Message>& message) {
-      monitor_.received(index, message->header.stamp);
+  template <int kIndex, typename Message>
+  void connect(InputTopic<Message>& input) {
+    input.registerCallback([this](const boost::shared_ptr<const Message>& message) {
+      const StampOrder order = monitor_.received(kIndex, message->header.stamp);
+      // Approximate pairing relies on the order of all stamps.
+      if (order == StampOrder::kFarEarlier ||
+          (order == StampOrder::kEarlier && options_.approximate)) {
+        beginPairing();
+      }
+      try {
+        pair<kIndex>(message);
+      } catch (const std::exception& error) {  // stamps more than 68 years apart, say
+        ROS_WARN_STREAM_THROTTLE(
+            5, topics()[kIndex] << ": a message could not be paired: " << error.what());
+        beginPairing();
+      }
     });
+  }
+
+  template <int kIndex, typename Message>
+  void pair(const boost::shared_ptr<const Message>& message) {
+    const std::lock_guard<std::mutex> lock(pairing_mutex_);
+    if (exact_) {
+      exact_->template add<kIndex>(message);
+    } else {
+      approximate_->template add<kIndex>(message);
+    }
   }
 
   void receive(const boost::shared_ptr<const M0>& first, const boost::shared_ptr<const M1>& second,
@@ -195,8 +231,9 @@ class SynchronizedInputs {
   InputTopic<M1> second_;
   InputTopic<M2> third_;
   InputTopic<M3> fourth_;
-  std::shared_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
-  std::shared_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
+  std::mutex pairing_mutex_;  ///< of what follows; one of them is there
+  std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
+  std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
 };
 
 }  // namespace cbmv
