@@ -50,8 +50,9 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs: it looks for them where catkin puts programs.
-set(CBMV_ROSTESTS stereo configuration point_cloud)
-set(launch_files stereo_node stereo_nodelet configuration)
+set(CBMV_ROSTESTS stereo configuration point_cloud faults faults_time faults_parameters
+    faults_lifecycle faults_sim_time)
+set(launch_files stereo_node stereo_nodelet configuration faults faults_lifecycle faults_sim_time)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND CBMV_ROSTESTS parity replacement)
   list(APPEND launch_files parity replacement)
@@ -68,7 +69,8 @@ foreach(test_name ${CBMV_ROSTESTS})
   cbmv_link_ros_test(${program})
   target_compile_definitions(${program} PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
                              CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                             CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>")
+                             CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>"
+                             CBMV_NODELET_PROGRAM="${nodelet_PREFIX}/lib/nodelet/nodelet")
   target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
 endforeach()
 add_dependencies(tests forest_fixture cbmv_stereo_node)

@@ -17,6 +17,8 @@ std::string number(double value, int digits) {
   return buffer;
 }
 
+std::string orNone(const std::string& report) { return report.empty() ? "none" : report; }
+
 constexpr const char* kIdle = "idle: nobody subscribes to an output";
 
 }  // namespace
@@ -105,6 +107,11 @@ void StereoDiagnostics::stampsAreWrong(const std::string& report, ros::SteadyTim
   wrong_stamps_.add(now);
 }
 
+void StereoDiagnostics::parametersDiffer(const std::string& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  parameter_report_ = report;
+}
+
 void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (cause == FrameDrop::kBusy) {
@@ -161,7 +168,7 @@ void StereoDiagnostics::describeInput(Status& status, ros::SteadyTime now) const
     status.summary(DiagnosticStatus::OK, "pairs of images at " + rate + " Hz");
   }
   status.add("pairs (Hz)", rate);
-  status.add("last wrong stamps", stamp_report_.empty() ? "none" : stamp_report_);
+  status.add("last wrong stamps", orNone(stamp_report_));
   status.add("report", silence_report_);
 }
 
@@ -228,6 +235,7 @@ void StereoDiagnostics::describeMethod(Status& status, ros::SteadyTime now) cons
   status.summary(DiagnosticStatus::OK, number(results_.mean(now), 1) + " ms a frame");
   status.add("forest", forest_);
   status.add("threads", threads_);
+  status.add("parameters that were not taken", orNone(parameter_report_));
   status.add("total, mean (ms)", number(results_.mean(now), 1));
   status.add("total, largest (ms)", number(results_.largest(now), 1));
   if (newest_) {

@@ -62,8 +62,8 @@ void StereoNodelet::initialize() {
                                   : static_cast<int>(std::thread::hardware_concurrency());
   processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
                                                  parameters.get<bool>("allow_different_frame_ids"));
-  offerConfig();
   openDiagnostics(parameters);
+  offerConfig();
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
       [this](const StereoMessages& frame) { work(frame); });
   openTopics(parameters);
@@ -196,18 +196,23 @@ void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
     StereoOptions wanted = optionsOf(config);
     min_confidence_ = minConfidence(config);
     for (const std::string& correction : correctOptions(wanted)) {
-      NODELET_WARN_STREAM(correction);
+      reportParameters(correction);
     }
     options_ = wanted;
     preset_ = presetOf(config.preset, options_);
   } catch (const Error& error) {
-    NODELET_WARN_STREAM(error.what() << "; all parameters keep their values");
+    reportParameters(std::string(error.what()) + "; all parameters keep their values");
     config.min_confidence = min_confidence_;
   }
   config.preset = preset_;
   writeConfig(options_, config);
   processor_->setOptions(options_);
   processor_->setMinConfidence(min_confidence_);
+}
+
+void StereoNodelet::reportParameters(const std::string& sentence) {
+  NODELET_WARN_STREAM(sentence);
+  diagnostics_->parametersDiffer(sentence);
 }
 
 /// A preset that is chosen anew sets its values; one that was there already yields to the others.

@@ -53,6 +53,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void reportInputs();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
+  void reportParameters(const std::string& sentence);
   StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 

@@ -22,6 +22,7 @@ class Collector {
   bool has(ros::Time stamp) const { return messages_.count(stamp) > 0; }
   const Message& at(ros::Time stamp) const { return *messages_.at(stamp); }
   const Message& newest() const { return *messages_.rbegin()->second; }
+  void forget(ros::Time stamp) { messages_.erase(stamp); }
   std::size_t count() const { return messages_.size(); }
 
  private:

@@ -328,6 +328,36 @@ TEST(Geometry, RefusesUnusableCameras) {
   expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "640 x 480", "37 x 23"});
 }
 
+/// Beyond some size, numbers are none of a camera, and what is computed of them does not fit a
+/// float.
+TEST(Geometry, RefusesNumbersOfNoCamera) {
+  for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity()}) {
+    for (const std::size_t entry : {0U, 2U, 3U, 5U, 6U, 11U}) {
+      PairMessages messages = goodMessages();
+      messages.right_info->P[entry] = value;
+      expectBadInfo(messages, InputFault::kUncalibrated,
+                    {kTopics.right_info, "P[" + std::to_string(entry) + "] = "});
+    }
+  }
+  PairMessages messages = goodMessages();
+  messages.left_info->P[5] = 1e-300;
+  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.left_info, "P[5] = 1e-300"});
+  messages = goodMessages();
+  messages.right_info->P[3] = -1e-300;
+  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]"});
+  messages = goodMessages();
+  messages.left_info->width = std::numeric_limits<std::uint32_t>::max();
+  expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "2147483647 x 23"});
+}
+
+TEST(Quoted, IsShortAndPrintable) {
+  EXPECT_EQ(quoted("mono8"), "'mono8'");
+  EXPECT_EQ(quoted(std::string("a\n\0\xff b", 6)), "'a??? b'");
+  const std::string sentence = quoted(std::string(100000, 'x'));
+  EXPECT_LT(sentence.size(), 100U);
+  EXPECT_EQ(sentence.substr(sentence.size() - 5), "x...'");
+}
+
 TEST(Geometry, RectifiedInfoIsTheGeometry) {
   const StereoGeometry geometry{90, 0.25, 0, 110, 120, 60.5, 40.25};
   std_msgs::Header header;

@@ -49,7 +49,7 @@ struct ProcessState {
   double resident_mb = 0;
   double peak_resident_mb = 0;
   double peak_virtual_mb = 0;
-  int threads = 0;
+  double threads = 0;
 
   static ProcessState read(pid_t pid) {
     std::ifstream file("/proc/" + std::to_string(pid) + "/status");
@@ -66,7 +66,7 @@ struct ProcessState {
       } else if (line.rfind("VmPeak:", 0) == 0) {
         state.peak_virtual_mb = value() / 1024;
       } else if (line.rfind("Threads:", 0) == 0) {
-        state.threads = static_cast<int>(value());
+        state.threads = value();
       }
     }
     return state;
@@ -283,23 +283,34 @@ class Soak {
             {"before_the_node", lost}};
   }
 
-  /// Of the first and the last tenth.
+  /// Medians over parts of the time; of the first and the last tenth, besides.
   json memory() const {
     const std::size_t tenth = std::max<std::size_t>(1, samples_.size() / 10);
-    const auto medianOf = [this](std::size_t begin, std::size_t end) {
-      std::vector<double> values;
-      for (std::size_t i = begin; i < end; ++i) {
-        values.push_back(samples_[i].resident_mb);
-      }
-      return median(values);
+    const std::size_t first_of_last = samples_.size() - tenth;
+    const auto resident = [this](std::size_t begin, std::size_t count) {
+      return medianOf(&ProcessState::resident_mb, begin, count);
     };
-    const double start_mb = medianOf(0, tenth);
-    const double end_mb = medianOf(samples_.size() - tenth, samples_.size());
+    const double start_mb = resident(0, tenth);
+    const double end_mb = resident(first_of_last, tenth);
+    json parts = json::array();
+    const std::size_t part = std::max<std::size_t>(1, samples_.size() / 40);
+    for (std::size_t begin = 0; begin + part <= samples_.size(); begin += part) {
+      parts.push_back(resident(begin, part));
+    }
     return {{"start_mb", start_mb},
             {"end_mb", end_mb},
             {"growth_percent", 100 * (end_mb / start_mb - 1)},
-            {"threads_start", samples_.front().threads},
-            {"threads_end", samples_.back().threads}};
+            {"by_time_mb", parts},
+            {"threads_start", medianOf(&ProcessState::threads, 0, tenth)},
+            {"threads_end", medianOf(&ProcessState::threads, first_of_last, tenth)}};
+  }
+
+  double medianOf(double ProcessState::*member, std::size_t begin, std::size_t count) const {
+    std::vector<double> values;
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      values.push_back(samples_[i].*member);
+    }
+    return median(values);
   }
 
   /// A frame waits for the one in work before it at most: ages in frame times are multiples of the

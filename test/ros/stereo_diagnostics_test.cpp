@@ -77,6 +77,25 @@ TEST_F(Diagnostics, IdleIsNoFault) {
   expectHolds(report(diagnostics_, &StereoDiagnostics::describeInput, 100).message, "idle");
 }
 
+TEST_F(Diagnostics, WrongStampsAreNamedForAWhile) {
+  run(0, 0.1);
+  diagnostics_.stampsAreWrong("stamps went back on /left", at(5));
+  const Report soon = report(diagnostics_, &StereoDiagnostics::describeInput, 6);
+  EXPECT_EQ(soon.level, DiagnosticStatus::WARN);
+  expectHolds(soon.message, "stamps went back on /left");
+  run(11, 0.1);
+  Report later = report(diagnostics_, &StereoDiagnostics::describeInput, 16);
+  EXPECT_EQ(later.level, DiagnosticStatus::OK);
+  EXPECT_EQ(later.values["last wrong stamps"], "stamps went back on /left");
+}
+
+TEST_F(Diagnostics, NameParametersThatWereNotTaken) {
+  const char* key = "parameters that were not taken";
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "none");
+  diagnostics_.parametersDiffer("P1 is nan");
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "P1 is nan");
+}
+
 TEST_F(Diagnostics, RatesAreThoseOfTheStream) {
   run(0, 0.25);
   const Report input = report(diagnostics_, &StereoDiagnostics::describeInput, 4.75);
