@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include <boost/make_shared.hpp>
 #include <cv_bridge/cv_bridge.h>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
@@ -48,6 +49,22 @@ void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
   }
 }
 
+/// The message with its bytes the other way round; cv_bridge gets other types of it. It has to be
+/// checked (checkImage).
+boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& message) {
+  auto swapped = boost::make_shared<sensor_msgs::Image>(message);
+  swapped->is_bigendian = 0;
+  const int value_bytes = encodings::bitDepth(message.encoding) / 8;
+  const int row_values = static_cast<int>(message.width) * encodings::numChannels(message.encoding);
+  for (std::size_t row = 0; row < message.height; ++row) {
+    std::uint8_t* value = swapped->data.data() + row * message.step;
+    for (int i = 0; i < row_values; ++i, value += value_bytes) {
+      std::reverse(value, value + value_bytes);
+    }
+  }
+  return swapped;
+}
+
 bool isPlainGrey(const std::string& encoding) {
   return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
 }
@@ -58,6 +75,10 @@ cv::Mat decode(const sensor_msgs::Image& message, const boost::shared_ptr<const 
                bool color, const std::string& topic) {
   checkImage(message, topic);
   const bool deep = encodings::bitDepth(message.encoding) == 16;
+  if (message.is_bigendian != 0 && deep) {
+    const auto swapped = toLittleEndian(message);
+    return decode(*swapped, swapped, color, topic).clone();
+  }
   const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
                                      : (deep ? encodings::MONO16 : encodings::MONO8);
   try {
@@ -202,6 +223,9 @@ cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
         topic + " has the encoding " + quoted(message.encoding) + "; 32FC1 would be right");
   }
   checkImage(message, topic);
+  if (message.is_bigendian != 0) {
+    return cv_bridge::toCvShare(toLittleEndian(message), message.encoding)->image.clone();
+  }
   return cv_bridge::toCvShare(message, nullptr)->image;
 }
 

@@ -29,7 +29,7 @@ GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
 /// InputError for other encodings, and for other sizes than `size`.
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size);
 
-/// A 32FC1 image as CV_32FC1. Shares the message's memory. Throws InputError for other encodings
+/// A 32FC1 image as CV_32FC1. May share the message's memory. Throws InputError for other encodings
 /// and malformed images.
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic);
 

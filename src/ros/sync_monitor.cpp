@@ -39,7 +39,7 @@ void SyncMonitor::restart(ros::SteadyTime now) {
   stamps_.assign(topics_.size(), {});
 }
 
-StampOrder SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
+bool SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Topic& seen = topics_.at(topic);
   ++seen.count;
@@ -50,19 +50,26 @@ StampOrder SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
   return compare(stamp, stamps_.at(topic));
 }
 
-/// Also notes what is to be reported.
-StampOrder SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
+ros::Time SyncMonitor::latestWith(const ros::Time& stamp) {
+  constexpr auto kJumpNs = static_cast<std::uint64_t>(kJumpS * 1e9);
+  ros::Time latest;
+  latest.fromNSec(std::min(stamp.toNSec(), ros::TIME_MAX.toNSec() - kJumpNs) + kJumpNs);
+  return latest;
+}
+
+/// Notes what is to be reported; returns what received() does.
+bool SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
   const auto before = std::exchange(stamps.newest, stamp);
   if (!before || stamp > *before) {
-    return StampOrder::kLater;
+    return false;
   }
   if (stamp == *before) {
     ++stamps.repeated;
-    return StampOrder::kSame;
+    return false;
   }
   const double step_back_s = secondsBetween(stamp, *before);
   stamps.largest_step_back_s = std::max(stamps.largest_step_back_s, step_back_s);
-  return step_back_s > kJumpS ? StampOrder::kFarEarlier : StampOrder::kEarlier;
+  return step_back_s > kJumpS;
 }
 
 std::string SyncMonitor::reportStamps(const std::vector<std::string>& names) {

@@ -11,9 +11,6 @@
 
 namespace cbmv {
 
-/// The stamp of a message beside that of the one before it on the same topic.
-enum class StampOrder { kLater, kSame, kEarlier, kFarEarlier };
-
 /// Watches topics whose messages have to be paired by their stamps, and tells people why nothing
 /// comes of them. Callable from several threads. Needs no master.
 class SyncMonitor {
@@ -23,7 +20,9 @@ class SyncMonitor {
 
   /// Begins to wait for a set: what came before does not count.
   void restart(ros::SteadyTime now);
-  StampOrder received(std::size_t topic, const ros::Time& stamp);
+  /// Returns whether time has jumped back: the stamp is older than the one before it on its topic
+  /// by more than kJumpS. By less, the messages are out of order.
+  bool received(std::size_t topic, const ros::Time& stamp);
   void synchronized(ros::SteadyTime now);
 
   /// What is said about a topic besides its messages.
@@ -42,8 +41,10 @@ class SyncMonitor {
   /// came twice; else empty.
   std::string reportStamps(const std::vector<std::string>& names);
 
-  /// Messages that come out of order by less are none of another time.
   static constexpr double kJumpS = 0.5;
+  /// The latest stamp of messages that are of the same time as one with `stamp`.
+  static ros::Time latestWith(const ros::Time& stamp);
+
   static constexpr double kFirstReportS = 4;
   static constexpr double kNextReportS = 30;
 
@@ -60,7 +61,7 @@ class SyncMonitor {
     int repeated = 0;                ///< not reported yet
   };
 
-  static StampOrder compare(const ros::Time& stamp, Stamps& stamps);
+  static bool compare(const ros::Time& stamp, Stamps& stamps);
   void beginWindow(ros::SteadyTime now, double patience_s);
   std::string describe(const std::vector<TopicState>& states, double elapsed_s) const;
   std::string describeTopic(std::size_t index, const TopicState& state, double elapsed_s) const;

@@ -3,40 +3,29 @@
 #include <array>
 #include <atomic>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <sstream>
 #include <string>
 #include <utility>
 
-#include <boost/bind/bind.hpp>
 #include <image_transport/image_transport.h>
 #include <image_transport/subscriber_filter.h>
 #include <message_filters/subscriber.h>
-#include <message_filters/sync_policies/approximate_time.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 
 #include "ros/private_parameters.h"
+#include "ros/stamp_pairing.h"
 #include "ros/sync_monitor.h"
 
 namespace cbmv {
 
-/// How messages of several topics are paired.
-struct SyncOptions {
-  int queue_size = 5;
-  bool approximate = false;
-  double max_interval_s = 0;  ///< 0: no bound
-
-  static SyncOptions read(const PrivateParameters& parameters) {
-    return {parameters.get<int>("queue_size"), parameters.get<bool>("approximate_sync"),
-            parameters.get<double>("approximate_sync_max_interval_s")};
-  }
-};
+inline SyncOptions readSyncOptions(const PrivateParameters& parameters) {
+  return {parameters.get<int>("queue_size"), parameters.get<bool>("approximate_sync"),
+          parameters.get<double>("approximate_sync_max_interval_s")};
+}
 
 /// An input whose messages can be filtered: images come by an image transport.
 template <typename Message>
@@ -75,14 +64,14 @@ class SynchronizedInputs {
         transport_(nh),
         hints_("raw", ros::TransportHints(), parameters.nodeHandle()),
         topics_(topics),
-        options_(SyncOptions::read(parameters)),
+        options_(readSyncOptions(parameters)),
         callback_(std::move(callback)),
-        monitor_(kTopics, remedy()) {
+        monitor_(kTopics, remedy()),
+        pairing_(options_, [this](const auto&... messages) { receive(messages...); }) {
     connect<0>(first_);
     connect<1>(second_);
     connect<2>(third_);
     connect<3>(fourth_);
-    beginPairing();
   }
 
   const SyncOptions& options() const { return options_; }
@@ -97,7 +86,6 @@ class SynchronizedInputs {
     third_.open(nh_, transport_, topics_[2], queue, hints_);
     fourth_.open(nh_, transport_, topics_[3], queue, hints_);
     monitor_.restart(ros::SteadyTime::now());
-    beginPairing();
     subscribed_ = true;
   }
 
@@ -144,61 +132,22 @@ class SynchronizedInputs {
   }
 
  private:
-  using ExactPolicy = message_filters::sync_policies::ExactTime<M0, M1, M2, M3>;
-  using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<M0, M1, M2, M3>;
-
-  /// Drops what waits for partners. The synchronizers let old stamps go first: messages that wait
-  /// with stamps of a time to come would keep all others from being paired until then.
-  void beginPairing() {
-    const auto queue = static_cast<std::uint32_t>(options_.queue_size);
-    const std::lock_guard<std::mutex> lock(pairing_mutex_);
-    if (!options_.approximate) {
-      exact_ = makeSynchronizer(ExactPolicy(queue));
-      return;
-    }
-    ApproximatePolicy policy(queue);
-    if (options_.max_interval_s > 0) {
-      policy.setMaxIntervalDuration(ros::Duration(options_.max_interval_s));
-    }
-    approximate_ = makeSynchronizer(policy);
-  }
-
-  template <typename Policy>
-  std::unique_ptr<message_filters::Synchronizer<Policy>> makeSynchronizer(const Policy& policy) {
-    auto synchronizer = std::make_unique<message_filters::Synchronizer<Policy>>(policy);
-    synchronizer->registerCallback(boost::bind(&SynchronizedInputs::receive, this,
-                                               boost::placeholders::_1, boost::placeholders::_2,
-                                               boost::placeholders::_3, boost::placeholders::_4));
-    return synchronizer;
-  }
-
   template <int kIndex, typename Message>
   void connect(InputTopic<Message>& input) {
     input.registerCallback([this](const boost::shared_ptr<const Message>& message) {
-      const StampOrder order = monitor_.received(kIndex, message->header.stamp);
-      // Approximate pairing relies on the order of all stamps.
-      if (order == StampOrder::kFarEarlier ||
-          (order == StampOrder::kEarlier && options_.approximate)) {
-        beginPairing();
-      }
+      const std::lock_guard<std::mutex> lock(pairing_mutex_);
       try {
-        pair<kIndex>(message);
-      } catch (const std::exception& error) {  // stamps more than 68 years apart, say
+        const ros::Time& stamp = message->header.stamp;
+        if (monitor_.received(kIndex, stamp)) {
+          pairing_.dropAfter(SyncMonitor::latestWith(stamp));
+        }
+        pairing_.template add<kIndex>(message);
+      } catch (const std::exception& error) {
         ROS_WARN_STREAM_THROTTLE(
             5, topics()[kIndex] << ": a message could not be paired: " << error.what());
-        beginPairing();
+        pairing_.clear();
       }
     });
-  }
-
-  template <int kIndex, typename Message>
-  void pair(const boost::shared_ptr<const Message>& message) {
-    const std::lock_guard<std::mutex> lock(pairing_mutex_);
-    if (exact_) {
-      exact_->template add<kIndex>(message);
-    } else {
-      approximate_->template add<kIndex>(message);
-    }
   }
 
   void receive(const boost::shared_ptr<const M0>& first, const boost::shared_ptr<const M1>& second,
@@ -226,14 +175,13 @@ class SynchronizedInputs {
   Callback callback_;
   SyncMonitor monitor_;
   std::atomic<bool> subscribed_{false};
+  std::mutex pairing_mutex_;
+  StampPairing<M0, M1, M2, M3> pairing_;
 
   InputTopic<M0> first_;
   InputTopic<M1> second_;
   InputTopic<M2> third_;
   InputTopic<M3> fourth_;
-  std::mutex pairing_mutex_;  ///< of what follows; one of them is there
-  std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
-  std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
 };
 
 }  // namespace cbmv

@@ -199,6 +199,43 @@ TEST(GreyPair, EvenSixteenBitImagesAreEven) {
   EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
 }
 
+/// The message as a machine with the other order of bytes writes it, rows padded.
+sensor_msgs::ImagePtr toBigEndian(const sensor_msgs::Image& message, std::uint32_t value_bytes) {
+  auto big = boost::make_shared<sensor_msgs::Image>(message);
+  big->is_bigendian = 1;
+  big->step += value_bytes;
+  big->data.assign(static_cast<std::size_t>(big->step) * big->height, 0xAB);
+  for (std::uint32_t y = 0; y < message.height; ++y) {
+    for (std::uint32_t i = 0; i < message.step; ++i) {
+      const std::uint32_t mirrored = i - i % value_bytes + value_bytes - 1 - i % value_bytes;
+      big->data[y * big->step + i] = message.data[y * message.step + mirrored];
+    }
+  }
+  return big;
+}
+
+TEST(GreyPair, TakesBothOrdersOfBytes) {
+  for (const auto& [encoding, type] : {std::pair("mono16", CV_16UC1), std::pair("16UC1", CV_16UC1),
+                                       std::pair("bgr16", CV_16UC3)}) {
+    PairMessages messages = goodMessages();
+    for (sensor_msgs::ImagePtr* image : {&messages.left_image, &messages.right_image}) {
+      cv::Mat deep(kSize, type);
+      cv::randu(deep, 0, 65536);
+      *image = makeImage(deep, encoding, (*image)->header);
+    }
+    const GreyPair expected = toGreyPair(messages.asConst(), kTopics, false);
+    messages.left_image = toBigEndian(*messages.left_image, 2);
+    messages.right_image = toBigEndian(*messages.right_image, 2);
+    const GreyPair found = toGreyPair(messages.asConst(), kTopics, false);
+    EXPECT_EQ(cv::norm(found.left, expected.left, cv::NORM_INF), 0) << encoding;
+    EXPECT_EQ(cv::norm(found.right, expected.right, cv::NORM_INF), 0) << encoding;
+  }
+  cv::Mat floats(kSize, CV_32FC1);
+  cv::randu(floats, -5, 5);
+  const sensor_msgs::Image message = toMessage(floats, "32FC1", {});
+  EXPECT_EQ(cv::norm(toFloats(*toBigEndian(message, 4), "t"), floats, cv::NORM_INF), 0);
+}
+
 TEST(GreyPair, RefusesWhatDiffers) {
   PairMessages messages = goodMessages();
   messages.right_image =

@@ -180,12 +180,17 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
   run(0, 0.5);
   const Report method = report(diagnostics_, &StereoDiagnostics::describeMethod, 4.5);
   EXPECT_EQ(method.level, DiagnosticStatus::OK);
-  const std::map<std::string, std::string> expected = {
-      {"forest", "a.forest"},        {"threads", "4"},
-      {"total, mean (ms)", "96.0"},  {"total, largest (ms)", "96.0"},
-      {"rectification (ms)", "1.0"}, {"volume (ms)", "20.0"},
-      {"aggregation (ms)", "30.0"},  {"sgm (ms)", "40.0"},
-      {"refinement (ms)", "5.0"},    {"memory (MB)", "123"}};
+  const std::map<std::string, std::string> expected = {{"forest", "a.forest"},
+                                                       {"threads", "4"},
+                                                       {"total, mean (ms)", "96.0"},
+                                                       {"total, largest (ms)", "96.0"},
+                                                       {"rectification (ms)", "1.0"},
+                                                       {"volume (ms)", "20.0"},
+                                                       {"aggregation (ms)", "30.0"},
+                                                       {"sgm (ms)", "40.0"},
+                                                       {"refinement (ms)", "5.0"},
+                                                       {"memory (MB)", "123"},
+                                                       {"parameters that were not taken", "none"}};
   EXPECT_EQ(method.values, expected);
 }
 
