@@ -92,8 +92,8 @@ class ParameterFaults : public FaultTest {
     for (const Parameter& parameter : parameters) {
       std::visit(
           [&](const auto& value) {
-            EXPECT_GE(value, parameter.lowest) << parameter.name;
-            EXPECT_LE(value, parameter.highest) << parameter.name;
+            EXPECT_GE(value, static_cast<float>(parameter.lowest)) << parameter.name;
+            EXPECT_LE(value, static_cast<float>(parameter.highest)) << parameter.name;
           },
           parameter.get(options));
     }
@@ -142,7 +142,7 @@ TEST_F(ParameterFaults, EachAtItsLimits) {
 TEST_F(ParameterFaults, ThatAreNoNumbersAreNamed) {
   Config request;
   add("P1", std::nan(""), request.doubles);
-  EXPECT_EQ(call(request).P1, cbmv_stereo::StereoConfig::__getDefault__().P1);
+  EXPECT_FLOAT_EQ(call(request).P1, StereoOptions().sgm.p1);
   expectDiagnostic("Method", Level::OK, "P1 is nan");
   request = {};
   add("min_confidence", std::nan(""), request.doubles);
