@@ -164,6 +164,33 @@ TEST(Lifecycle, ManagerEndsInTheMiddleOfAFrame) {
   }
 }
 
+/// Matching the large pair takes more than 1 GiB.
+TEST(Lifecycle, FramesThatFindNoAddressSpaceAreDropped) {
+  setSlowParameters("/starved/node");
+  ros::NodeHandle("/starved/node").setParam("disparity_range", 512);
+  Program node({"/bin/sh", "-c",
+                "ulimit -v 1200000; exec " CBMV_STEREO_NODE " __name:=node __ns:=/starved"});
+  DiagnosticsReader diagnostics("starved/node");
+  Stream stream("/starved");
+  const StereoPair small = stream.images;
+  for (int round = 0; round < 3; ++round) {
+    stream.images = small;
+    EXPECT_TRUE(stream.comes());
+    stream.images = renderPair({1242, 375}, 10, 40);
+    EXPECT_TRUE(diagnostics.waitFor("Output", diagnostic_msgs::DiagnosticStatus::WARN,
+                                    "dropped lately: ", [&] {
+                                      stream.cameras.publish(stream.pair());
+                                      wait(0.2);
+                                    }));
+    EXPECT_FALSE(node.hasEnded());
+  }
+  stream.images = small;
+  EXPECT_TRUE(stream.comes());
+  node.interrupt();
+  EXPECT_TRUE(waitFor([&] { return node.hasEnded(); }, kLongestShutdownS));
+  EXPECT_EQ(node.howItEnded(), "exit status 0");
+}
+
 }  // namespace
 }  // namespace cbmv
 

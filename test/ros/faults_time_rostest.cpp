@@ -114,13 +114,14 @@ TEST_F(TimeFaults, RandomStampsDoNoHarm) {
 
 /// Long enough for the report on topics that do not synchronise, which names the distance.
 TEST_F(TimeFaults, StampsFartherApartThanADurationHolds) {
-  const Feeder feeder(0.1, [] {
-    PairMessages messages = goodPair(ros::Time(0));
-    messages.right_image->header.stamp = messages.right_info->header.stamp = kLastTime;
-    cameras().publish(messages);
-  });
-  expectDiagnostic("Input", Level::ERROR, "/right/image_rect");
-  wait(5);
+  {
+    const Feeder feeder(0.1, [] {
+      PairMessages messages = goodPair(ros::Time(0));
+      messages.right_image->header.stamp = messages.right_info->header.stamp = kLastTime;
+      cameras().publish(messages);
+    });
+    expectDiagnostic("Input", Level::ERROR, "(stamps 4294967296000.0 ms from the first topic's)");
+  }
   expectRightAgain();
 }
 
