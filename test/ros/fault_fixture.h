@@ -52,17 +52,28 @@ class FaultTest : public ::testing::Test {
   static void SetUpTestSuite() {
     shared = std::make_unique<Shared>();
     shared->client.setOptions(testOptions());  // the node is up
+    subscribe();
+    const auto undisturbed = disparityOfAGoodPair();
+    ASSERT_TRUE(undisturbed);
+    shared->undisturbed = *undisturbed;
+  }
+  static void TearDownTestSuite() { shared.reset(); }
+
+  static void subscribe() {
     shared->client.disparity.subscribe(shared->nh, "disparity");
     shared->client.points.subscribe(shared->nh, "points2");
     ASSERT_TRUE(waitFor([] {
       return shared->client.cameras.pairIsWanted() && shared->client.disparity.isConnected() &&
              shared->client.points.isConnected();
     }));
-    const auto undisturbed = disparityOfAGoodPair();
-    ASSERT_TRUE(undisturbed);
-    shared->undisturbed = *undisturbed;
   }
-  static void TearDownTestSuite() { shared.reset(); }
+
+  /// The node waits for input anew: what it reported before does not count.
+  static void subscribeAnew() {
+    shared->client.unsubscribeAll();
+    ASSERT_TRUE(waitFor([] { return !shared->client.cameras.anyIsWanted(); }));
+    subscribe();
+  }
 
   static PairMessages goodPair(ros::Time stamp = ros::Time::now()) {
     return makeMessages(shared->pair, {}, stamp);

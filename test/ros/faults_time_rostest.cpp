@@ -27,6 +27,7 @@ class TimeFaults : public FaultTest {
 };
 
 TEST_F(TimeFaults, OneCameraIsSilentAndComesBack) {
+  subscribeAnew();
   const Feeder left_only(0.05, [] { cameras().publishLeft(goodPair()); });
   expectDiagnostic("Input", Level::ERROR, "no pair of images for");
   expectDiagnostic("Input", Level::ERROR, "/right/image_rect nothing (it has a publisher)");
@@ -114,6 +115,7 @@ TEST_F(TimeFaults, RandomStampsDoNoHarm) {
 
 /// Long enough for the report on topics that do not synchronise, which names the distance.
 TEST_F(TimeFaults, StampsFartherApartThanADurationHolds) {
+  subscribeAnew();
   {
     const Feeder feeder(0.1, [] {
       PairMessages messages = goodPair(ros::Time(0));
