@@ -51,8 +51,10 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs: it looks for them where catkin puts programs.
-set(CBMV_ROSTESTS stereo configuration point_cloud worker_threads)
-set(launch_files stereo_node stereo_nodelet configuration worker_threads)
+set(CBMV_ROSTESTS stereo configuration point_cloud worker_threads faults faults_time faults_parameters
+    faults_lifecycle faults_sim_time)
+set(launch_files stereo_node stereo_nodelet configuration worker_threads faults faults_lifecycle
+    faults_sim_time)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND CBMV_ROSTESTS parity replacement)
   list(APPEND launch_files parity replacement)
@@ -69,7 +71,8 @@ foreach(test_name ${CBMV_ROSTESTS})
   cbmv_link_ros_test(${program})
   target_compile_definitions(${program} PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
                              CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                             CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>")
+                             CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>"
+                             CBMV_NODELET_PROGRAM="${nodelet_PREFIX}/lib/nodelet/nodelet")
   target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
 endforeach()
 add_dependencies(tests forest_fixture cbmv_stereo_node)
@@ -84,3 +87,13 @@ endforeach()
 add_test(NAME cluster_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/cluster_test.py
                                    $<TARGET_FILE:cbmv_bag> ${CBMV_TEST_FOREST})
 set_tests_properties(cluster_test PROPERTIES SKIP_RETURN_CODE 77)
+
+# The node under load for a minute: scripts/soak runs it and soak_driver, which feeds and measures it.
+# Frames that take long beside what other processes hold up the node and the driver for.
+add_executable(soak_driver EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/soak_driver.cpp)
+cbmv_link_ros_test(soak_driver)
+target_link_libraries(soak_driver PRIVATE ${catkin_LIBRARIES} CLI11::CLI11 nlohmann_json::nlohmann_json)
+add_test(NAME soak_test
+         COMMAND ${PROJECT_SOURCE_DIR}/scripts/soak --build ${PROJECT_BINARY_DIR} --seconds 60
+                 --size 320x240 --disparities 64 --preset quality --json ${PROJECT_BINARY_DIR}/test/soak.json)
+set_tests_properties(soak_test PROPERTIES RUN_SERIAL TRUE TIMEOUT 300)

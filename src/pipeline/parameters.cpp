@@ -41,9 +41,10 @@ void requireFits(const Parameter& parameter, const ParameterValue& value) {
     throw Error(parameter.name + " is " + valueText(value) + ", it must be " +
                 typeName(parameter.default_value));
   }
-  const double number = numberOf(value);
-  if (!std::holds_alternative<bool>(value) &&
-      !(number >= parameter.lowest && number <= parameter.highest)) {
+  // Options are kept as float: a value that was set to a limit has to be right when it comes back.
+  const auto number = static_cast<float>(numberOf(value));
+  if (!std::holds_alternative<bool>(value) && !(number >= static_cast<float>(parameter.lowest) &&
+                                                number <= static_cast<float>(parameter.highest))) {
     std::ostringstream text;
     text << parameter.name << " is " << number << ", it must be in [" << parameter.lowest << ", "
          << parameter.highest << "]";

@@ -58,17 +58,26 @@ void RectificationTracker::start(const cv::Mat& left, const cv::Mat& right,
   if (worker_.joinable()) {
     worker_.join();  // has finished: nothing is running
   }
-  is_running_ = true;
-  worker_ = std::thread(
-      [this, left = left.clone(), right = right.clone(), range, now_s, generation = generation_] {
-        Measurement measurement;
-        try {
-          measurement = {measureVerticalOffset(left, right, range, options_), now_s};
-        } catch (const std::exception&) {
-          measurement = {};  // out of memory, at worst: the next pair may do better
-        }
-        finish(measurement, generation);
-      });
+  try {
+    worker_ = std::thread(
+        [this, left = left.clone(), right = right.clone(), range, now_s, generation = generation_] {
+          estimate(left, right, range, now_s, generation);
+        });
+    is_running_ = true;  // it cannot have finished: that takes the mutex
+  } catch (const std::exception&) {
+    return;  // no memory or no thread: the next pair may do better
+  }
+}
+
+void RectificationTracker::estimate(const cv::Mat& left, const cv::Mat& right,
+                                    const DisparityRange& range, double now_s, int generation) {
+  Measurement measurement;
+  try {
+    measurement = {measureVerticalOffset(left, right, range, options_), now_s};
+  } catch (const std::exception&) {
+    measurement = {};  // out of memory, at worst: the next pair may do better
+  }
+  finish(measurement, generation);
 }
 
 void RectificationTracker::finish(const Measurement& measurement, int generation) {

@@ -19,6 +19,9 @@ class ColorBuffer {
   void add(const sensor_msgs::ImageConstPtr& image) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
+      if (!images_.empty() && image->header.stamp < images_.back()->header.stamp) {
+        images_.clear();  // time has gone back: those of later stamps are none that were waited for
+      }
       images_.push_back(image);
       if (images_.size() > capacity_) {
         images_.pop_front();

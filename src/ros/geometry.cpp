@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <sstream>
 
 #include "ros/image_conversion.h"
 
@@ -23,9 +25,12 @@ cv::Size describedSize(const sensor_msgs::CameraInfo& info) {
   const bool whole = info.roi.width == 0 || info.roi.height == 0;
   const std::uint32_t width = whole ? info.width : info.roi.width;
   const std::uint32_t height = whole ? info.height : info.roi.height;
-  return {static_cast<int>(width / std::max(1U, info.binning_x)),
-          static_cast<int>(height / std::max(1U, info.binning_y))};
+  return toSize(width / std::max(1U, info.binning_x), height / std::max(1U, info.binning_y));
 }
+
+/// Beyond, products and quotients of such numbers may not fit a float.
+constexpr double kLargest = 1e9;
+constexpr double kSmallest = 1e-9;
 
 void checkInfo(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size image_size) {
   if (describedSize(info) != image_size) {
@@ -33,13 +38,21 @@ void checkInfo(const sensor_msgs::CameraInfo& info, const std::string& topic, cv
                                                       sizeText(describedSize(info)) +
                                                       ", the image has " + sizeText(image_size));
   }
-  const bool finite =
-      std::all_of(info.P.begin(), info.P.end(), [](double value) { return std::isfinite(value); });
-  if (!finite || info.P[0] <= 0 || info.P[5] <= 0) {
-    throw InputError(InputFault::kUncalibrated,
-                     topic + " has no usable projection matrix (P[0] = " +
-                         std::to_string(info.P[0]) + ", P[5] = " + std::to_string(info.P[5]) +
-                         "; both have to be > 0): calibrate the cameras");
+  const auto unusable = std::find_if_not(info.P.begin(), info.P.end(), [](double value) {
+    return std::abs(value) <= kLargest;  // NaN is not
+  });
+  if (unusable != info.P.end() || info.P[0] < kSmallest || info.P[5] < kSmallest) {
+    const auto entry = [&](std::ptrdiff_t index) {
+      std::ostringstream text;
+      text << "P[" << index << "] = " << info.P[static_cast<std::size_t>(index)];
+      return text.str();
+    };
+    const std::string entries =
+        unusable != info.P.end() ? entry(unusable - info.P.begin()) : entry(0) + ", " + entry(5);
+    throw InputError(
+        InputFault::kUncalibrated,
+        topic + " has no usable projection matrix (" + entries +
+            "; P[0] and P[5] have to be > 0, all entries finite): calibrate the cameras");
   }
 }
 
@@ -60,7 +73,7 @@ StereoGeometry toGeometry(const sensor_msgs::CameraInfo& left_info,
   checkInfo(right_info, topics.right_info, image_size);
   const Projection left = toProjection(left_info);
   const Projection right = toProjection(right_info);
-  if (right.tx >= 0) {
+  if (right.tx > -kSmallest) {
     throw InputError(InputFault::kUncalibrated,
                      topics.right_info + " has P[3] = " + std::to_string(right.tx) +
                          ", which has to be negative (-fx * baseline): the cameras are swapped, or "

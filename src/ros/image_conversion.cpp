@@ -1,8 +1,12 @@
 #include "ros/image_conversion.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include <boost/make_shared.hpp>
 #include <cv_bridge/cv_bridge.h>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
@@ -18,8 +22,8 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
            static_cast<std::size_t>(encodings::numChannels(message.encoding));
   } catch (const std::runtime_error&) {
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding +
-                         "', which is unknown; mono8 or a colour encoding would be right");
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", which is unknown; mono8 or a colour encoding would be right");
   }
 }
 
@@ -33,7 +37,7 @@ void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
     throw InputError(InputFault::kTruncatedImage,
                      topic + " has a step of " + std::to_string(message.step) +
                          " bytes, a row of " + std::to_string(message.width) + " px " +
-                         message.encoding + " needs " + std::to_string(row_bytes));
+                         quoted(message.encoding) + " needs " + std::to_string(row_bytes));
   }
   const std::size_t image_bytes = static_cast<std::size_t>(message.step) * message.height;
   if (message.data.size() != image_bytes) {
@@ -43,6 +47,22 @@ void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
                                                       " rows of " + std::to_string(message.step) +
                                                       " bytes are " + std::to_string(image_bytes));
   }
+}
+
+/// The message with its bytes the other way round; cv_bridge gets other types of it. It has to be
+/// checked (checkImage).
+boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& message) {
+  auto swapped = boost::make_shared<sensor_msgs::Image>(message);
+  swapped->is_bigendian = 0;
+  const int value_bytes = encodings::bitDepth(message.encoding) / 8;
+  const int row_values = static_cast<int>(message.width) * encodings::numChannels(message.encoding);
+  for (std::size_t row = 0; row < message.height; ++row) {
+    std::uint8_t* value = swapped->data.data() + row * message.step;
+    for (int i = 0; i < row_values; ++i, value += value_bytes) {
+      std::reverse(value, value + value_bytes);
+    }
+  }
+  return swapped;
 }
 
 bool isPlainGrey(const std::string& encoding) {
@@ -55,6 +75,10 @@ cv::Mat decode(const sensor_msgs::Image& message, const boost::shared_ptr<const 
                bool color, const std::string& topic) {
   checkImage(message, topic);
   const bool deep = encodings::bitDepth(message.encoding) == 16;
+  if (message.is_bigendian != 0 && deep) {
+    const auto swapped = toLittleEndian(message);
+    return decode(*swapped, swapped, color, topic).clone();
+  }
   const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
                                      : (deep ? encodings::MONO16 : encodings::MONO8);
   try {
@@ -69,8 +93,8 @@ cv::Mat decode(const sensor_msgs::Image& message, const boost::shared_ptr<const 
     return cv_bridge::toCvShare(message, owner, encoding)->image;
   } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding +
-                         "', which cannot be converted to " + encoding + ": " + error.what());
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", which cannot be converted to " + encoding + ": " + error.what());
   }
 }
 
@@ -133,8 +157,8 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   const std::string& right = messages.right_image->header.frame_id;
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
-                     both + " differ in frame_id ('" + left + "' and '" + right +
-                         "'); equal ones would be right, or true for the parameter "
+                     both + " differ in frame_id (" + quoted(left) + " and " + quoted(right) +
+                         "); equal ones would be right, or true for the parameter "
                          "allow_different_frame_ids");
   }
 }
@@ -145,8 +169,23 @@ std::string sizeText(cv::Size size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " px";
 }
 
+std::string quoted(const std::string& text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown = text.substr(0, kLongest);
+  std::replace_if(
+      shown.begin(), shown.end(),
+      [](char letter) { return std::isprint(static_cast<unsigned char>(letter)) == 0; }, '?');
+  return "'" + shown + (text.size() > kLongest ? "...'" : "'");
+}
+
+cv::Size toSize(std::uint32_t width, std::uint32_t height) {
+  constexpr std::uint32_t kLargest = std::numeric_limits<int>::max();
+  return {static_cast<int>(std::min(width, kLargest)),
+          static_cast<int>(std::min(height, kLargest))};
+}
+
 cv::Size imageSize(const sensor_msgs::Image& message) {
-  return {static_cast<int>(message.width), static_cast<int>(message.height)};
+  return toSize(message.width, message.height);
 }
 
 GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
@@ -179,10 +218,14 @@ cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv:
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding '" + message.encoding + "'; 32FC1 would be right");
+    throw InputError(
+        InputFault::kUnsupportedEncoding,
+        topic + " has the encoding " + quoted(message.encoding) + "; 32FC1 would be right");
   }
   checkImage(message, topic);
+  if (message.is_bigendian != 0) {
+    return cv_bridge::toCvShare(toLittleEndian(message), message.encoding)->image.clone();
+  }
   return cv_bridge::toCvShare(message, nullptr)->image;
 }
 

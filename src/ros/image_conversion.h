@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -28,7 +29,7 @@ GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
 /// InputError for other encodings, and for other sizes than `size`.
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size);
 
-/// A 32FC1 image as CV_32FC1. Shares the message's memory. Throws InputError for other encodings
+/// A 32FC1 image as CV_32FC1. May share the message's memory. Throws InputError for other encodings
 /// and malformed images.
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic);
 
@@ -38,7 +39,12 @@ cv::Mat fromFloatImage(const sensor_msgs::Image& message);
 sensor_msgs::Image toMessage(const cv::Mat& image, const std::string& encoding,
                              const std_msgs::Header& header);
 
+/// Text that somebody else wrote, for people: in quotes, without control characters, not too long.
+std::string quoted(const std::string& text);
+
 std::string sizeText(cv::Size size);
+/// Numbers beyond the range of int are its largest.
+cv::Size toSize(std::uint32_t width, std::uint32_t height);
 cv::Size imageSize(const sensor_msgs::Image& message);
 
 }  // namespace cbmv

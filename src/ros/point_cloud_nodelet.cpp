@@ -8,14 +8,15 @@
 
 #include "ros/cloud_parameters.h"
 #include "ros/conversions.h"
+#include "ros/guarded.h"
 #include "ros/start_nodelet.h"
 
 namespace cbmv {
 namespace {
 
-constexpr double kSilenceCheckS = 1;
+constexpr double kWatchPeriodS = 1;
 /// Causes of warnings besides the values of InputFault.
-enum Cause { kFailed = 100, kColorUnusable };
+enum Cause { kFailed = 100, kColorUnusable, kWrongStamps };
 
 /// The message says itself what Z = f T / d is; one that does not is read by the calibration.
 void takeFocalLengthAndBaseline(const stereo_msgs::DisparityImage& disparity,
@@ -42,7 +43,7 @@ void PointCloudNodelet::initialize() {
   worker_ = std::make_unique<FrameWorker<CloudMessages>>(
       [this](const CloudMessages& messages) { work(messages); });
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
-    updateSubscriptions();
+    guarded(getName(), [this] { updateSubscriptions(); });
   };
   // Until the publisher is there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
@@ -52,7 +53,8 @@ void PointCloudNodelet::initialize() {
   topics_ = inputs_->topics();
   publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
   silence_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(kSilenceCheckS), [this](const ros::WallTimerEvent&) { reportSilence(); });
+      ros::WallDuration(kWatchPeriodS),
+      [this](const ros::WallTimerEvent&) { guarded(getName(), [this] { reportInputs(); }); });
 }
 
 void PointCloudNodelet::stop() {
@@ -82,10 +84,14 @@ void PointCloudNodelet::updateSubscriptions() {
   }
 }
 
-void PointCloudNodelet::reportSilence() {
-  const std::string report = inputs_->reportSilence();
-  if (!report.empty()) {
-    NODELET_WARN_STREAM(report);
+void PointCloudNodelet::reportInputs() {
+  const std::string silence = inputs_->reportSilence();
+  if (!silence.empty()) {
+    NODELET_WARN_STREAM(silence);
+  }
+  const std::string stamps = inputs_->reportStamps();
+  if (!stamps.empty()) {
+    warn(kWrongStamps, stamps);
   }
 }
 

@@ -37,7 +37,7 @@ class PointCloudNodelet : public nodelet::Nodelet {
   void initialize();
   void stop();
   void updateSubscriptions();
-  void reportSilence();
+  void reportInputs();
 
   // In the worker's thread
   void work(const CloudMessages& messages);

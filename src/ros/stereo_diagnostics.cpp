@@ -17,6 +17,8 @@ std::string number(double value, int digits) {
   return buffer;
 }
 
+std::string orNone(const std::string& report) { return report.empty() ? "none" : report; }
+
 constexpr const char* kIdle = "idle: nobody subscribes to an output";
 
 }  // namespace
@@ -81,7 +83,7 @@ void StereoDiagnostics::setWanted(bool wanted, ros::SteadyTime now) {
     wanted_ = wanted;
     waiting_since_ = now;
     silence_report_.clear();
-    for (RecentValues* values : {&pairs_, &results_, &ages_, &busy_, &faults_}) {
+    for (RecentValues* values : {&pairs_, &results_, &ages_, &busy_, &faults_, &wrong_stamps_}) {
       values->clear();
     }
   }
@@ -97,6 +99,17 @@ void StereoDiagnostics::received(ros::SteadyTime now) {
 void StereoDiagnostics::silent(const std::string& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   silence_report_ = report;
+}
+
+void StereoDiagnostics::stampsAreWrong(const std::string& report, ros::SteadyTime now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  stamp_report_ = report;
+  wrong_stamps_.add(now);
+}
+
+void StereoDiagnostics::parametersDiffer(const std::string& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  parameter_report_ = report;
 }
 
 void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now) {
@@ -149,10 +162,13 @@ void StereoDiagnostics::describeInput(Status& status, ros::SteadyTime now) const
   } else if (silenceS(now) > limits_.silence_s) {
     status.summary(DiagnosticStatus::ERROR,
                    "no pair of images for " + number(silenceS(now), 0) + " s");
+  } else if (wrong_stamps_.count(now) > 0) {
+    status.summary(DiagnosticStatus::WARN, stamp_report_);
   } else {
     status.summary(DiagnosticStatus::OK, "pairs of images at " + rate + " Hz");
   }
   status.add("pairs (Hz)", rate);
+  status.add("last wrong stamps", orNone(stamp_report_));
   status.add("report", silence_report_);
 }
 
@@ -219,6 +235,7 @@ void StereoDiagnostics::describeMethod(Status& status, ros::SteadyTime now) cons
   status.summary(DiagnosticStatus::OK, number(results_.mean(now), 1) + " ms a frame");
   status.add("forest", forest_);
   status.add("threads", threads_);
+  status.add("parameters that were not taken", orNone(parameter_report_));
   status.add("total, mean (ms)", number(results_.mean(now), 1));
   status.add("total, largest (ms)", number(results_.largest(now), 1));
   if (newest_) {

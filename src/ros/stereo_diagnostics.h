@@ -61,6 +61,10 @@ class StereoDiagnostics {
   void received(ros::SteadyTime now);
   /// Why no pair comes, see SyncMonitor.
   void silent(const std::string& report);
+  /// What is wrong with stamps, see SyncMonitor.
+  void stampsAreWrong(const std::string& report, ros::SteadyTime now);
+  /// Why parameters do not have the values that were asked for.
+  void parametersDiffer(const std::string& report);
   void dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now);
   void processed(const ProcessedFrame& frame, ros::SteadyTime now);
   void published(double age_ms, ros::SteadyTime now);
@@ -106,6 +110,9 @@ class StereoDiagnostics {
   bool wanted_ = false;
   ros::SteadyTime waiting_since_;  ///< for the next pair
   std::string silence_report_;
+  std::string stamp_report_;
+  std::string parameter_report_;
+  RecentValues wrong_stamps_;
   FrameCounts counts_;
   RecentValues pairs_;
   RecentValues results_;  ///< processing times, ms

@@ -9,7 +9,9 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/cloud_parameters.h"
+#include "ros/guarded.h"
 #include "ros/parameter_server.h"
+#include "ros/stamps.h"
 #include "ros/start_nodelet.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
@@ -22,7 +24,7 @@ constexpr double kWatchPeriodS = 0.25;
 constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
-enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned };
+enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps };
 
 StereoTopics toTopics(const std::array<std::string, 4>& names) {
   return {names[0], names[1], names[2], names[3]};
@@ -60,16 +62,14 @@ void StereoNodelet::initialize() {
                                   : static_cast<int>(std::thread::hardware_concurrency());
   processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
                                                  parameters.get<bool>("allow_different_frame_ids"));
-  offerConfig();
   openDiagnostics(parameters);
+  offerConfig();
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
       [this](const StereoMessages& frame) { work(frame); });
   openTopics(parameters);
-  watch_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWatchPeriodS),
-                                                 [this](const ros::WallTimerEvent&) {
-                                                   reportSilence();
-                                                   updater_->update();
-                                                 });
+  watch_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(kWatchPeriodS),
+      [this](const ros::WallTimerEvent&) { guarded(getName(), [this] { watch(); }); });
 }
 
 StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
@@ -133,8 +133,9 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
   color_topic_ = nh.resolveName(kColorTopic);
   color_transport_ = std::make_unique<image_transport::ImageTransport>(nh);
   colors_.emplace(static_cast<std::size_t>(inputs_->options().queue_size));
-  outputs_ = std::make_unique<OutputPublishers>(nh, stereoOutputs(cloud_options),
-                                                [this] { updateSubscriptions(); });
+  outputs_ = std::make_unique<OutputPublishers>(nh, stereoOutputs(cloud_options), [this] {
+    guarded(getName(), [this] { updateSubscriptions(); });
+  });
 }
 
 void StereoNodelet::updateSubscriptions() {
@@ -160,16 +161,33 @@ void StereoNodelet::updateColorSubscription() {
   } else if (!color_subscriber_) {
     color_subscriber_ = color_transport_->subscribe(
         kColorTopic, static_cast<std::uint32_t>(inputs_->options().queue_size),
-        [this](const sensor_msgs::ImageConstPtr& image) { colors_->add(image); }, nullptr,
-        inputs_->hints());
+        [this](const sensor_msgs::ImageConstPtr& image) {
+          guarded(getName(), [&] { colors_->add(image); });
+        },
+        nullptr, inputs_->hints());
   }
 }
 
-void StereoNodelet::reportSilence() {
-  const std::string report = inputs_->reportSilence();
-  if (!report.empty()) {
-    diagnostics_->silent(report);
-    NODELET_WARN_STREAM(report);
+void StereoNodelet::watch() {
+  reportInputs();
+  // Not update(), which goes by ROS time: that stands still or jumps back with recordings.
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if ((now - last_update_).toSec() >= updater_->getPeriod()) {
+    last_update_ = now;
+    updater_->force_update();
+  }
+}
+
+void StereoNodelet::reportInputs() {
+  const std::string silence = inputs_->reportSilence();
+  if (!silence.empty()) {
+    diagnostics_->silent(silence);
+    NODELET_WARN_STREAM(silence);
+  }
+  const std::string stamps = inputs_->reportStamps();
+  if (!stamps.empty()) {
+    diagnostics_->stampsAreWrong(stamps, ros::SteadyTime::now());
+    warn(kWrongStamps, stamps);
   }
 }
 
@@ -178,18 +196,23 @@ void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
     StereoOptions wanted = optionsOf(config);
     min_confidence_ = minConfidence(config);
     for (const std::string& correction : correctOptions(wanted)) {
-      NODELET_WARN_STREAM(correction);
+      reportParameters(correction);
     }
     options_ = wanted;
     preset_ = presetOf(config.preset, options_);
   } catch (const Error& error) {
-    NODELET_WARN_STREAM(error.what() << "; all parameters keep their values");
+    reportParameters(std::string(error.what()) + "; all parameters keep their values");
     config.min_confidence = min_confidence_;
   }
   config.preset = preset_;
   writeConfig(options_, config);
   processor_->setOptions(options_);
   processor_->setMinConfidence(min_confidence_);
+}
+
+void StereoNodelet::reportParameters(const std::string& sentence) {
+  NODELET_WARN_STREAM(sentence);
+  diagnostics_->parametersDiffer(sentence);
 }
 
 /// A preset that is chosen anew sets its values; one that was there already yields to the others.
@@ -256,7 +279,7 @@ NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {
   state.counts = diagnostics_->counts();
   state.forest = forest_name_;
   state.threads = threads_;
-  state.age_ms = (ros::Time::now() - stamp).toSec() * 1000;
+  state.age_ms = secondsBetween(stamp, ros::Time::now()) * 1000;
   return state;
 }
 

@@ -49,9 +49,11 @@ class StereoNodelet : public nodelet::Nodelet {
   /// Called when a subscriber of an output comes or goes.
   void updateSubscriptions();
   void updateColorSubscription();
-  void reportSilence();
+  void watch();
+  void reportInputs();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
+  void reportParameters(const std::string& sentence);
   StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 
@@ -82,7 +84,8 @@ class StereoNodelet : public nodelet::Nodelet {
   std::optional<ColorBuffer> colors_;
   std::unique_ptr<StereoDiagnostics> diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer watch_timer_;  ///< looks after silence and diagnostics
+  ros::SteadyTime last_update_;  ///< of diagnostics
+  ros::WallTimer watch_timer_;   ///< looks after inputs and diagnostics
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
+
+#include "ros/image_conversion.h"
+#include "ros/machine_memory.h"
 
 #include "cbmv_stereo/pipeline/memory.h"
 
@@ -15,6 +19,17 @@ double steadyNow() {
 
 std::string rangeText(const DisparityRange& range) {
   return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
+}
+
+/// The kernel ends a process that takes more than there is.
+void requireMachineHas(double required_mb, const std::string& images) {
+  const double present_mb = machineMemoryMb();
+  if (required_mb > present_mb) {
+    throw InputError(InputFault::kMemory,
+                     images + " need " + std::to_string(std::llround(required_mb)) +
+                         " MB, but the machine has " + std::to_string(std::llround(present_mb)) +
+                         "; lower disparity_range or take smaller images");
+  }
 }
 
 }  // namespace
@@ -39,6 +54,7 @@ StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
   if (!refusal.empty()) {
     throw InputError(InputFault::kMemory, prefix + refusal);
   }
+  requireMachineHas(requiredMemoryMb(image_size, options), prefix + sizeText(image_size));
   return options;
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "ros/stamps.h"
+
 namespace cbmv {
 namespace {
 
@@ -17,19 +19,27 @@ std::string text(const char* format, double value) {
   return buffer;
 }
 
-double gapMs(const ros::Time& a, const ros::Time& b) { return std::abs((a - b).toSec()) * 1000; }
+double gapMs(const ros::Time& a, const ros::Time& b) {
+  return std::abs(secondsBetween(a, b)) * 1000;
+}
+
+/// Appends to a list of words.
+void append(const std::string& words, std::string& list) {
+  list += (list.empty() ? "" : ", ") + words;
+}
 
 }  // namespace
 
 SyncMonitor::SyncMonitor(std::size_t topics, std::string remedy)
-    : remedy_(std::move(remedy)), topics_(topics) {}
+    : remedy_(std::move(remedy)), topics_(topics), stamps_(topics) {}
 
 void SyncMonitor::restart(ros::SteadyTime now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   beginWindow(now, kFirstReportS);
+  stamps_.assign(topics_.size(), {});
 }
 
-void SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
+bool SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Topic& seen = topics_.at(topic);
   ++seen.count;
@@ -37,6 +47,54 @@ void SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
   if (seen.stamps.size() > kStampsKept) {
     seen.stamps.pop_front();
   }
+  return compare(stamp, stamps_.at(topic));
+}
+
+ros::Time SyncMonitor::latestWith(const ros::Time& stamp) {
+  constexpr auto kJumpNs = static_cast<std::uint64_t>(kJumpS * 1e9);
+  ros::Time latest;
+  latest.fromNSec(std::min(stamp.toNSec(), ros::TIME_MAX.toNSec() - kJumpNs) + kJumpNs);
+  return latest;
+}
+
+/// Notes what is to be reported; returns what received() does.
+bool SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
+  const auto before = std::exchange(stamps.newest, stamp);
+  if (!before || stamp > *before) {
+    return false;
+  }
+  if (stamp == *before) {
+    ++stamps.repeated;
+    return false;
+  }
+  const double step_back_s = secondsBetween(stamp, *before);
+  stamps.largest_step_back_s = std::max(stamps.largest_step_back_s, step_back_s);
+  return step_back_s > kJumpS;
+}
+
+std::string SyncMonitor::reportStamps(const std::vector<std::string>& names) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::string back;
+  std::string repeated;
+  for (std::size_t i = 0; i < stamps_.size(); ++i) {
+    Stamps& stamps = stamps_[i];
+    if (stamps.largest_step_back_s > 0) {
+      append(names.at(i) + text(" (%.3f s)", stamps.largest_step_back_s), back);
+    }
+    if (stamps.repeated > 0) {
+      append(names.at(i) + text(" (%.0f times)", stamps.repeated), repeated);
+    }
+    stamps.largest_step_back_s = 0;
+    stamps.repeated = 0;
+  }
+  std::string sentence;
+  if (!back.empty()) {
+    append("stamps went back on " + back, sentence);
+  }
+  if (!repeated.empty()) {
+    append("stamps came twice on " + repeated, sentence);
+  }
+  return sentence;
 }
 
 void SyncMonitor::synchronized(ros::SteadyTime now) {

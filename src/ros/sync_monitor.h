@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,9 @@ class SyncMonitor {
 
   /// Begins to wait for a set: what came before does not count.
   void restart(ros::SteadyTime now);
-  void received(std::size_t topic, const ros::Time& stamp);
+  /// Returns whether time has jumped back: the stamp is older than the one before it on its topic
+  /// by more than kJumpS. By less, the messages are out of order.
+  bool received(std::size_t topic, const ros::Time& stamp);
   void synchronized(ros::SteadyTime now);
 
   /// What is said about a topic besides its messages.
@@ -34,6 +37,14 @@ class SyncMonitor {
   /// first topic.
   std::string report(ros::SteadyTime now, const std::vector<TopicState>& states);
 
+  /// What was wrong with stamps since the last call: topics (`names`) on which they went back or
+  /// came twice; else empty.
+  std::string reportStamps(const std::vector<std::string>& names);
+
+  static constexpr double kJumpS = 0.5;
+  /// The latest stamp of messages that are of the same time as one with `stamp`.
+  static ros::Time latestWith(const ros::Time& stamp);
+
   static constexpr double kFirstReportS = 4;
   static constexpr double kNextReportS = 30;
 
@@ -43,6 +54,14 @@ class SyncMonitor {
     std::deque<ros::Time> stamps;  ///< the newest
   };
 
+  /// Stamps of a topic since it was subscribed.
+  struct Stamps {
+    std::optional<ros::Time> newest;
+    double largest_step_back_s = 0;  ///< not reported yet
+    int repeated = 0;                ///< not reported yet
+  };
+
+  static bool compare(const ros::Time& stamp, Stamps& stamps);
   void beginWindow(ros::SteadyTime now, double patience_s);
   std::string describe(const std::vector<TopicState>& states, double elapsed_s) const;
   std::string describeTopic(std::size_t index, const TopicState& state, double elapsed_s) const;
@@ -52,6 +71,7 @@ class SyncMonitor {
   const std::string remedy_;
   mutable std::mutex mutex_;
   std::vector<Topic> topics_;
+  std::vector<Stamps> stamps_;
   ros::SteadyTime window_start_;
   double patience_s_ = kFirstReportS;
 };

@@ -3,39 +3,29 @@
 #include <array>
 #include <atomic>
 #include <functional>
-#include <memory>
+#include <mutex>
 #include <sstream>
 #include <string>
 #include <utility>
 
-#include <boost/bind/bind.hpp>
 #include <image_transport/image_transport.h>
 #include <image_transport/subscriber_filter.h>
 #include <message_filters/subscriber.h>
-#include <message_filters/sync_policies/approximate_time.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 
 #include "ros/private_parameters.h"
+#include "ros/stamp_pairing.h"
 #include "ros/sync_monitor.h"
 
 namespace cbmv {
 
-/// How messages of several topics are paired.
-struct SyncOptions {
-  int queue_size = 5;
-  bool approximate = false;
-  double max_interval_s = 0;  ///< 0: no bound
-
-  static SyncOptions read(const PrivateParameters& parameters) {
-    return {parameters.get<int>("queue_size"), parameters.get<bool>("approximate_sync"),
-            parameters.get<double>("approximate_sync_max_interval_s")};
-  }
-};
+inline SyncOptions readSyncOptions(const PrivateParameters& parameters) {
+  return {parameters.get<int>("queue_size"), parameters.get<bool>("approximate_sync"),
+          parameters.get<double>("approximate_sync_max_interval_s")};
+}
 
 /// An input whose messages can be filtered: images come by an image transport.
 template <typename Message>
@@ -74,23 +64,14 @@ class SynchronizedInputs {
         transport_(nh),
         hints_("raw", ros::TransportHints(), parameters.nodeHandle()),
         topics_(topics),
-        options_(SyncOptions::read(parameters)),
+        options_(readSyncOptions(parameters)),
         callback_(std::move(callback)),
-        monitor_(kTopics, remedy()) {
-    // Before the synchronizer: a message is counted before the set that it completes.
-    watch(first_, 0);
-    watch(second_, 1);
-    watch(third_, 2);
-    watch(fourth_, 3);
-    if (options_.approximate) {
-      ApproximatePolicy policy(static_cast<std::uint32_t>(options_.queue_size));
-      if (options_.max_interval_s > 0) {
-        policy.setMaxIntervalDuration(ros::Duration(options_.max_interval_s));
-      }
-      approximate_ = makeSynchronizer(policy);
-    } else {
-      exact_ = makeSynchronizer(ExactPolicy(static_cast<std::uint32_t>(options_.queue_size)));
-    }
+        monitor_(kTopics, remedy()),
+        pairing_(options_, [this](const auto&... messages) { receive(messages...); }) {
+    connect<0>(first_);
+    connect<1>(second_);
+    connect<2>(third_);
+    connect<3>(fourth_);
   }
 
   const SyncOptions& options() const { return options_; }
@@ -132,6 +113,12 @@ class SynchronizedInputs {
     return names;
   }
 
+  /// What has been wrong with stamps since the last call (SyncMonitor); else empty.
+  std::string reportStamps() {
+    const auto names = topics();
+    return monitor_.reportStamps({names.begin(), names.end()});
+  }
+
   /// A report to people if messages are waited for and none are paired (SyncMonitor); else empty.
   std::string reportSilence() {
     if (!subscribed_) {
@@ -145,23 +132,21 @@ class SynchronizedInputs {
   }
 
  private:
-  using ExactPolicy = message_filters::sync_policies::ExactTime<M0, M1, M2, M3>;
-  using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<M0, M1, M2, M3>;
-
-  template <typename Policy>
-  std::shared_ptr<message_filters::Synchronizer<Policy>> makeSynchronizer(const Policy& policy) {
-    auto synchronizer = std::make_shared<message_filters::Synchronizer<Policy>>(
-        policy, first_, second_, third_, fourth_);
-    synchronizer->registerCallback(boost::bind(&SynchronizedInputs::receive, this,
-                                               boost::placeholders::_1, boost::placeholders::_2,
-                                               boost::placeholders::_3, boost::placeholders::_4));
-    return synchronizer;
-  }
-
-  template <typename Message>
-  void watch(InputTopic<Message>& input, std::size_t index) {
-    input.registerCallback([this, index](const boost::shared_ptr<const Message>& message) {
-      monitor_.received(index, message->header.stamp);
+  template <int kIndex, typename Message>
+  void connect(InputTopic<Message>& input) {
+    input.registerCallback([this](const boost::shared_ptr<const Message>& message) {
+      const std::lock_guard<std::mutex> lock(pairing_mutex_);
+      try {
+        const ros::Time& stamp = message->header.stamp;
+        if (monitor_.received(kIndex, stamp)) {
+          pairing_.dropAfter(SyncMonitor::latestWith(stamp));
+        }
+        pairing_.template add<kIndex>(message);
+      } catch (const std::exception& error) {
+        ROS_WARN_STREAM_THROTTLE(
+            5, topics()[kIndex] << ": a message could not be paired: " << error.what());
+        pairing_.clear();
+      }
     });
   }
 
@@ -190,13 +175,13 @@ class SynchronizedInputs {
   Callback callback_;
   SyncMonitor monitor_;
   std::atomic<bool> subscribed_{false};
+  std::mutex pairing_mutex_;
+  StampPairing<M0, M1, M2, M3> pairing_;
 
   InputTopic<M0> first_;
   InputTopic<M1> second_;
   InputTopic<M2> third_;
   InputTopic<M3> fourth_;
-  std::shared_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
-  std::shared_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
 };
 
 }  // namespace cbmv

@@ -41,6 +41,19 @@ TEST(Parameters, HaveUniqueNamesAndDefaultsInsideOfTheirRanges) {
   }
 }
 
+/// Most are kept as float, which 0.01, say, is a little below of.
+TEST(Parameters, TakeTheirLimitsBack) {
+  for (const Parameter& parameter : stereoParameters()) {
+    for (const double limit : {parameter.lowest, parameter.highest}) {
+      if (std::holds_alternative<double>(parameter.default_value)) {
+        StereoOptions options;
+        parameter.set(options, limit);
+        EXPECT_NO_THROW(parameter.set(options, parameter.get(options))) << parameter.name;
+      }
+    }
+  }
+}
+
 /// Each parameter has a field of its own: setting it changes what it gets and nothing else.
 TEST(Parameters, SetTheirOwnField) {
   const std::vector<Parameter> parameters = stereoParameters();

@@ -2,10 +2,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <fstream>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
@@ -184,6 +188,32 @@ TEST(RectificationTracker, ServesSeveralThreads) {
     thread.join();
   }
   EXPECT_EQ(wrong, 0);
+}
+
+/// Lets this process have `more_mb` of address space besides what it has.
+void limitAddressSpace(double more_mb) {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const auto more = static_cast<rlim_t>(more_mb * (1 << 20));
+  const rlim_t limit = pages * static_cast<rlim_t>(sysconf(_SC_PAGE_SIZE)) + more;
+  const rlimit limits{limit, RLIM_INFINITY};
+  setrlimit(RLIMIT_AS, &limits);
+}
+
+/// Where there is no room for the stack of a thread, the stream goes on; estimates come later.
+TEST(RectificationTrackerDeathTest, NeedsNoThreadToGoOn) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // no stacks of threads that have gone
+  const auto run = [] {
+    const RenderedScene scene = sceneWithOffset(0.8);
+    RectificationTracker tracker({});
+    limitAddressSpace(2);
+    const bool none = tracker.update(scene.left, scene.right, kRange, 0.0).matches == 0;
+    const rlimit unlimited{RLIM_INFINITY, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &unlimited);
+    const bool found = hasEstimate(updateUntil(tracker, scene, 1.0, hasEstimate));
+    std::_Exit(none && found ? 0 : 1);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

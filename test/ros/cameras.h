@@ -22,6 +22,10 @@ class Cameras {
     left_image_.publish(messages.left_image);
     right_image_.publish(messages.right_image);
   }
+  void publishLeft(const PairMessages& messages) {
+    left_info_.publish(messages.left_info);
+    left_image_.publish(messages.left_image);
+  }
   void publishInfos(const PairMessages& messages) {
     left_info_.publish(messages.left_info);
     right_info_.publish(messages.right_info);

@@ -28,6 +28,7 @@ class Collector {
       use(*message);
     }
   }
+  void forget(ros::Time stamp) { messages_.erase(stamp); }
   std::size_t count() const { return messages_.size(); }
 
  private:

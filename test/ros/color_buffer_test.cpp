@@ -54,6 +54,19 @@ TEST(ColorBuffer, DoesNotWaitForWhatIsPast) {
   EXPECT_LT(std::chrono::steady_clock::now() - before, milliseconds(30000));
 }
 
+TEST(ColorBuffer, WaitsWhereTimeHasGoneBack) {
+  ColorBuffer buffer(5);
+  buffer.add(imageAt(100));
+  buffer.add(imageAt(1));
+  const auto wanted = imageAt(2);
+  std::thread camera([&] {
+    std::this_thread::sleep_for(milliseconds(20));
+    buffer.add(wanted);
+  });
+  EXPECT_EQ(buffer.find(ros::Time(2), milliseconds(5000)), wanted);
+  camera.join();
+}
+
 TEST(ColorBuffer, GivesUp) {
   const ColorBuffer buffer(5);
   EXPECT_EQ(buffer.find(ros::Time(2), milliseconds(10)), nullptr);

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -13,6 +12,7 @@
 
 #include "ros/cameras.h"
 #include "ros/collector.h"
+#include "ros/diagnostics_reader.h"
 #include "ros/local_nodelet.h"
 #include "ros/log_reader.h"
 #include "ros/parameter_server.h"
@@ -322,40 +322,9 @@ TEST(Points, LayoutIsTheParameters) {
   EXPECT_TRUE(std::isnan(depthAt(62, 8)));
 }
 
-/// The newest diagnostics of a nodelet in a namespace.
-class DiagnosticsReader {
- public:
-  explicit DiagnosticsReader(const std::string& name_space) : prefix_(name_space + "/nodelet: ") {
-    subscriber_ = nh_.subscribe<diagnostic_msgs::DiagnosticArray>(
-        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
-          for (const auto& status : array->status) {
-            newest_[status.name] = status;
-          }
-        });
-  }
-
-  bool waitFor(
-      const std::string& name, int level, const std::string& words,
-      const std::function<void()>& meanwhile = [] {}) {
-    return cbmv::waitFor([&] {
-      meanwhile();
-      wait(0.1);
-      const auto found = newest_.find(prefix_ + name);
-      return found != newest_.end() && found->second.level == level &&
-             found->second.message.find(words) != std::string::npos;
-    });
-  }
-
- private:
-  std::string prefix_;
-  ros::NodeHandle nh_;
-  ros::Subscriber subscriber_;
-  std::map<std::string, diagnostic_msgs::DiagnosticStatus> newest_;
-};
-
 TEST(Diagnostics, FollowTheStream) {
   using diagnostic_msgs::DiagnosticStatus;
-  DiagnosticsReader reader("diagnostics_test");
+  DiagnosticsReader reader("diagnostics_test/nodelet");
   StereoNodelet nodelet("diagnostics_test");
   nodelet.parameters().setParam("warn_silence_s", 1.0);
   nodelet.parameters().setParam("warn_vertical_offset_px", 0.5);

@@ -199,6 +199,43 @@ TEST(GreyPair, EvenSixteenBitImagesAreEven) {
   EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
 }
 
+/// The message as a machine with the other order of bytes writes it, rows padded.
+sensor_msgs::ImagePtr toBigEndian(const sensor_msgs::Image& message, std::uint32_t value_bytes) {
+  auto big = boost::make_shared<sensor_msgs::Image>(message);
+  big->is_bigendian = 1;
+  big->step += value_bytes;
+  big->data.assign(static_cast<std::size_t>(big->step) * big->height, 0xAB);
+  for (std::uint32_t y = 0; y < message.height; ++y) {
+    for (std::uint32_t i = 0; i < message.step; ++i) {
+      const std::uint32_t mirrored = i - i % value_bytes + value_bytes - 1 - i % value_bytes;
+      big->data[y * big->step + i] = message.data[y * message.step + mirrored];
+    }
+  }
+  return big;
+}
+
+TEST(GreyPair, TakesBothOrdersOfBytes) {
+  for (const auto& [encoding, type] : {std::pair("mono16", CV_16UC1), std::pair("16UC1", CV_16UC1),
+                                       std::pair("bgr16", CV_16UC3)}) {
+    PairMessages messages = goodMessages();
+    for (sensor_msgs::ImagePtr* image : {&messages.left_image, &messages.right_image}) {
+      cv::Mat deep(kSize, type);
+      cv::randu(deep, 0, 65536);
+      *image = makeImage(deep, encoding, (*image)->header);
+    }
+    const GreyPair expected = toGreyPair(messages.asConst(), kTopics, false);
+    messages.left_image = toBigEndian(*messages.left_image, 2);
+    messages.right_image = toBigEndian(*messages.right_image, 2);
+    const GreyPair found = toGreyPair(messages.asConst(), kTopics, false);
+    EXPECT_EQ(cv::norm(found.left, expected.left, cv::NORM_INF), 0) << encoding;
+    EXPECT_EQ(cv::norm(found.right, expected.right, cv::NORM_INF), 0) << encoding;
+  }
+  cv::Mat floats(kSize, CV_32FC1);
+  cv::randu(floats, -5, 5);
+  const sensor_msgs::Image message = toMessage(floats, "32FC1", {});
+  EXPECT_EQ(cv::norm(toFloats(*toBigEndian(message, 4), "t"), floats, cv::NORM_INF), 0);
+}
+
 TEST(GreyPair, RefusesWhatDiffers) {
   PairMessages messages = goodMessages();
   messages.right_image =
@@ -326,6 +363,36 @@ TEST(Geometry, RefusesUnusableCameras) {
   messages.left_info->width = 640;
   messages.left_info->height = 480;
   expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "640 x 480", "37 x 23"});
+}
+
+/// Beyond some size, numbers are none of a camera, and what is computed of them does not fit a
+/// float.
+TEST(Geometry, RefusesNumbersOfNoCamera) {
+  for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity()}) {
+    for (const std::size_t entry : {0U, 2U, 3U, 5U, 6U, 11U}) {
+      PairMessages messages = goodMessages();
+      messages.right_info->P[entry] = value;
+      expectBadInfo(messages, InputFault::kUncalibrated,
+                    {kTopics.right_info, "P[" + std::to_string(entry) + "] = "});
+    }
+  }
+  PairMessages messages = goodMessages();
+  messages.left_info->P[5] = 1e-300;
+  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.left_info, "P[5] = 1e-300"});
+  messages = goodMessages();
+  messages.right_info->P[3] = -1e-300;
+  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]"});
+  messages = goodMessages();
+  messages.left_info->width = std::numeric_limits<std::uint32_t>::max();
+  expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "2147483647 x 23"});
+}
+
+TEST(Quoted, IsShortAndPrintable) {
+  EXPECT_EQ(quoted("mono8"), "'mono8'");
+  EXPECT_EQ(quoted(std::string("a\n\0\xff b", 6)), "'a??? b'");
+  const std::string sentence = quoted(std::string(100000, 'x'));
+  EXPECT_LT(sentence.size(), 100U);
+  EXPECT_EQ(sentence.substr(sentence.size() - 5), "x...'");
 }
 
 TEST(Geometry, RectifiedInfoIsTheGeometry) {

@@ -77,6 +77,25 @@ TEST_F(Diagnostics, IdleIsNoFault) {
   expectHolds(report(diagnostics_, &StereoDiagnostics::describeInput, 100).message, "idle");
 }
 
+TEST_F(Diagnostics, WrongStampsAreNamedForAWhile) {
+  run(0, 0.1);
+  diagnostics_.stampsAreWrong("stamps went back on /left", at(5));
+  const Report soon = report(diagnostics_, &StereoDiagnostics::describeInput, 6);
+  EXPECT_EQ(soon.level, DiagnosticStatus::WARN);
+  expectHolds(soon.message, "stamps went back on /left");
+  run(11, 0.1);
+  Report later = report(diagnostics_, &StereoDiagnostics::describeInput, 16);
+  EXPECT_EQ(later.level, DiagnosticStatus::OK);
+  EXPECT_EQ(later.values["last wrong stamps"], "stamps went back on /left");
+}
+
+TEST_F(Diagnostics, NameParametersThatWereNotTaken) {
+  const char* key = "parameters that were not taken";
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "none");
+  diagnostics_.parametersDiffer("P1 is nan");
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "P1 is nan");
+}
+
 TEST_F(Diagnostics, RatesAreThoseOfTheStream) {
   run(0, 0.25);
   const Report input = report(diagnostics_, &StereoDiagnostics::describeInput, 4.75);
@@ -161,12 +180,17 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
   run(0, 0.5);
   const Report method = report(diagnostics_, &StereoDiagnostics::describeMethod, 4.5);
   EXPECT_EQ(method.level, DiagnosticStatus::OK);
-  const std::map<std::string, std::string> expected = {
-      {"forest", "a.forest"},        {"threads", "4"},
-      {"total, mean (ms)", "96.0"},  {"total, largest (ms)", "96.0"},
-      {"rectification (ms)", "1.0"}, {"volume (ms)", "20.0"},
-      {"aggregation (ms)", "30.0"},  {"sgm (ms)", "40.0"},
-      {"refinement (ms)", "5.0"},    {"memory (MB)", "123"}};
+  const std::map<std::string, std::string> expected = {{"forest", "a.forest"},
+                                                       {"threads", "4"},
+                                                       {"total, mean (ms)", "96.0"},
+                                                       {"total, largest (ms)", "96.0"},
+                                                       {"rectification (ms)", "1.0"},
+                                                       {"volume (ms)", "20.0"},
+                                                       {"aggregation (ms)", "30.0"},
+                                                       {"sgm (ms)", "40.0"},
+                                                       {"refinement (ms)", "5.0"},
+                                                       {"memory (MB)", "123"},
+                                                       {"parameters that were not taken", "none"}};
   EXPECT_EQ(method.values, expected);
 }
 

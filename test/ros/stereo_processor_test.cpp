@@ -7,6 +7,7 @@
 
 #include "ros/forest_fixture.h"
 #include "ros/stereo_pair.h"
+#include "support/error_text.h"
 
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 
@@ -65,6 +66,19 @@ TEST_F(Processor, TellsTheVerticalOffset) {
   EXPECT_GT(frame.rectification.age_s, 0);
   EXPECT_LT(frame.rectification.age_s, 60);
   EXPECT_GT(frame.memory_mb, 0);
+}
+
+TEST(OptionsFor, RefuseWhatTheMachineHasNoMemoryFor) {
+  StereoOptions options;
+  options.range.count = 4096;
+  EXPECT_NO_THROW(optionsFor({64, 48}, options));
+  try {
+    optionsFor({2000000, 2000000}, options, "/left: ");
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.fault(), InputFault::kMemory);
+    EXPECT_TRUE(mentions(error.what(), {"/left: 2000000 x 2000000 px need ", "the machine has "}));
+  }
 }
 
 TEST_F(Processor, KeepsTheVerticalOffsetWhenOtherParametersChange) {

@@ -77,6 +77,51 @@ TEST(SyncMonitor, SlowCamerasAreReportedSeldom) {
   EXPECT_NE(monitor.report(at(26), kStates), "");
 }
 
+TEST(SyncMonitor, SeesTimeJumpBackOnATopic) {
+  SyncMonitor monitor(2, "");
+  monitor.restart(at(0));
+  const auto receive = [&](double stamp_s, std::size_t topic = 0) {
+    return monitor.received(topic, ros::Time(stamp_s));
+  };
+  EXPECT_FALSE(receive(100));
+  EXPECT_FALSE(receive(90, 1));  // another topic
+  EXPECT_FALSE(receive(100));
+  EXPECT_FALSE(receive(100 - 0.9 * SyncMonitor::kJumpS));
+  EXPECT_FALSE(receive(100));
+  EXPECT_TRUE(receive(100 - 1.1 * SyncMonitor::kJumpS));
+  EXPECT_TRUE(receive(0));
+  EXPECT_FALSE(receive(4294967295.0));
+  EXPECT_TRUE(receive(1));
+  monitor.synchronized(at(1));
+  EXPECT_TRUE(receive(0));
+  monitor.restart(at(2));
+  EXPECT_FALSE(receive(0));
+}
+
+TEST(SyncMonitor, ReportsStampsOnce) {
+  SyncMonitor monitor(2, "");
+  monitor.restart(at(0));
+  EXPECT_EQ(monitor.reportStamps({"/a", "/b"}), "");
+  for (const double stamp_s : {10.0, 7.5, 11.0, 10.0}) {
+    monitor.received(0, ros::Time(stamp_s));
+  }
+  for (int i = 0; i < 3; ++i) {
+    monitor.received(1, ros::Time(5));
+  }
+  EXPECT_EQ(monitor.reportStamps({"/a", "/b"}),
+            "stamps went back on /a (2.500 s), stamps came twice on /b (2 times)");
+  EXPECT_EQ(monitor.reportStamps({"/a", "/b"}), "");
+}
+
+TEST(SyncMonitor, MeasuresBetweenAnyStamps) {
+  SyncMonitor monitor(2, "");
+  monitor.restart(at(0));
+  monitor.received(0, ros::Time(0));
+  monitor.received(1, ros::Time(4294967295U, 0));
+  EXPECT_TRUE(
+      mentions(monitor.report(at(10), {{"a", true}, {"b", true}}), {"(stamps 4294967295000.0 ms"}));
+}
+
 TEST(SyncMonitor, RepeatsItselfSeldom) {
   SyncMonitor monitor(4, "");
   monitor.restart(at(0));

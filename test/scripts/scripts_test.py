@@ -39,6 +39,15 @@ class ScriptTest(unittest.TestCase):
         self.assertIn(str(says), last)
 
 
+class Soak(ScriptTest):
+    def test_wrong_arguments(self):
+        self.refuses("soak", "--size", "640", says="--size is 640; WIDTHxHEIGHT")
+        self.refuses("soak", "--factors", "1,x", says="--factors is 1,x; numbers")
+
+    def test_missing_program(self):
+        self.refuses("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
+
+
 class Generalization(ScriptTest):
     DATA = ("data/middlebury_eval3_Q", "data/kitti2012", "data/kitti2015")
 

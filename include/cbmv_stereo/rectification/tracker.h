@@ -42,6 +42,8 @@ class RectificationTracker {
  private:
   void resetLocked();
   void start(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range, double now_s);
+  void estimate(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                double now_s, int generation);
   void finish(const Measurement& measurement, int generation);
   void blend(const VerticalOffset& estimate);
 

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <exception>
+#include <string>
+
+#include <ros/console.h>
+
+namespace cbmv {
+
+/// Calls `callback` of the nodelet called `name`. What it throws is logged: an exception that
+/// leaves a callback would end the process, with all its nodelets.
+template <typename Callback>
+void guarded(const std::string& name, const Callback& callback) {
+  try {
+    callback();
+  } catch (const std::exception& error) {
+    ROS_ERROR_NAMED(name, "%s: %s", name.c_str(), error.what());
+  }
+}
+
+}  // namespace cbmv

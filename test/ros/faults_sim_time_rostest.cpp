@@ -1,0 +1,82 @@
+// Run by faults_sim_time.test: a node on simulated time that stands still, jumps back and far
+// ahead.
+
+#include <mutex>
+
+#include <rosgraph_msgs/Clock.h>
+
+#include "ros/fault_fixture.h"
+
+namespace cbmv {
+namespace {
+
+/// Says what time it is, again and again.
+class Clock {
+ public:
+  Clock() : publisher_(nh_.advertise<rosgraph_msgs::Clock>("/clock", 10)) {}
+
+  /// Returns when this process has it, too.
+  void set(const ros::Time& time) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      time_ = time;
+    }
+    ASSERT_TRUE(waitFor([&] { return ros::Time::now() == time; }));
+    wait(0.1);
+  }
+
+ private:
+  void publish() {
+    rosgraph_msgs::Clock message;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    message.clock = time_;
+    publisher_.publish(message);
+  }
+
+  ros::NodeHandle nh_;
+  ros::Publisher publisher_;
+  std::mutex mutex_;
+  ros::Time time_{1000};
+  Feeder feeder_{0.02, [this] { publish(); }};
+};
+
+class SimulatedTime : public FaultTest {
+ protected:
+  static void SetUpTestSuite() {
+    clock = std::make_unique<Clock>();
+    clock->set(ros::Time(1000));
+    FaultTest::SetUpTestSuite();
+  }
+  static void TearDownTestSuite() {
+    FaultTest::TearDownTestSuite();
+    clock.reset();
+  }
+  static inline std::unique_ptr<Clock> clock;
+};
+
+TEST_F(SimulatedTime, MayStandStill) {
+  for (int i = 0; i < 3; ++i) {
+    expectRightAgain();
+    expectDiagnostic("Input", Level::WARN, "stamps came twice on ");
+  }
+}
+
+TEST_F(SimulatedTime, MayJumpBackAndFarAhead) {
+  for (const double time_s : {2000.0, 10.0, 4e9, 500.0, 0.5}) {
+    SCOPED_TRACE(time_s);
+    clock->set(ros::Time(time_s));
+    expectRightAgain();
+    expectDiagnostic("Method", Level::OK, "ms a frame");  // diagnostics go on
+  }
+  expectDiagnostic("Input", Level::WARN, "stamps went back on ");
+}
+
+}  // namespace
+}  // namespace cbmv
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "faults_sim_time_rostest");
+  const ros::NodeHandle keeps_ros_alive;
+  return RUN_ALL_TESTS();
+}
