@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <sstream>
 #include <type_traits>
 #include <utility>
@@ -22,6 +24,7 @@ std::string valueText(const ParameterValue& value) {
 
 namespace {
 
+constexpr std::uintmax_t kLargestPreset = 64 << 10;
 constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
 
 double numberOf(const ParameterValue& value) {
@@ -200,6 +203,14 @@ ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node)
   return node.as<double>();
 }
 
+void requirePresetSize(const std::string& path) {
+  std::error_code ignored;  // what cannot be opened is found so when it is read
+  if (std::filesystem::is_regular_file(path, ignored) &&
+      std::filesystem::file_size(path, ignored) > kLargestPreset) {
+    throw Error("is larger than " + std::to_string(kLargestPreset) + " bytes, so it is no preset");
+  }
+}
+
 }  // namespace
 
 std::vector<Parameter> stereoParameters() {
@@ -255,6 +266,7 @@ std::vector<std::string> correctOptions(StereoOptions& options) {
 
 void readPreset(const std::string& path, StereoOptions& options) {
   try {
+    requirePresetSize(path);
     const YAML::Node preset = YAML::LoadFile(path);
     if (!preset.IsMap()) {
       throw Error("is not a map from parameter names to values");
