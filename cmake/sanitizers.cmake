@@ -20,16 +20,12 @@ string(APPEND CMAKE_SHARED_LINKER_FLAGS " ${sanitizer_flags}")
 # Little optimization: two thirds of the time to build. The standard library checks its indices.
 set(CMAKE_CXX_FLAGS_RELEASE "-O1 -g1")
 add_compile_definitions(_GLIBCXX_ASSERTIONS)
-# Vector code takes minutes a file to build with sanitizers: fewer instruction sets than six, and none
-# for the fuzzers but the least. Emulated vectors, which take longest, are not among them.
+# Vector code takes minutes a file to build with sanitizers: one instruction set instead of six. Not the
+# emulated one, which takes longest.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-mssse3)
 endif()
-if(CBMV_BUILD_FUZZERS)
-  add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
-else()
-  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_EMU128|HWY_SSE4|HWY_AVX3)")
-endif()
+add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
 
 if(sanitizers STREQUAL "thread")
   # Debian's oneTBB is built without the sanitizer, which so does not see that a loop begins after
