@@ -25,8 +25,8 @@ inline cv::Mat decodeImage(const std::vector<std::uint8_t>& bytes, int flags) {
 /// The same from a file. Throws Error naming the file when it cannot be opened, because OpenCV does
 /// not say why it fails, or claims to hold more than kMaxImagePixels.
 inline cv::Mat decodeImageFile(const std::string& path, int flags) {
-  constexpr std::uintmax_t kLargestFile = 1U << 30;
-  const std::vector<std::uint8_t> bytes = readBytes(path, kLargestFile);
+  constexpr std::uintmax_t largest_file = 1U << 30;
+  const std::vector<std::uint8_t> bytes = readBytes(path, largest_file);
   if (claimedPixels(bytes.data(), bytes.size()) > kMaxImagePixels) {
     throw Error("Cannot read " + path + ": it claims to hold " +
                 std::to_string(claimedPixels(bytes.data(), bytes.size())) +

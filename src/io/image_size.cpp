@@ -24,10 +24,10 @@ constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r'
 
 /// The first chunk, IHDR, begins with width and height.
 std::uint64_t pngPixels(const Bytes& file) {
-  constexpr std::size_t kWidthPlace = 16;
-  return file.size < kWidthPlace + 8
+  constexpr std::size_t width_place = 16;
+  return file.size < width_place + 8
              ? 0
-             : file.bigEndian(kWidthPlace, 4) * file.bigEndian(kWidthPlace + 4, 4);
+             : file.bigEndian(width_place, 4) * file.bigEndian(width_place + 4, 4);
 }
 
 /// Frame headers: 0xC0 … 0xCF without the three that are tables and an extension.

@@ -29,9 +29,9 @@ Value readValue(const std::uint8_t* bytes) {
 
 /// What is no time that ROS can express becomes the nearest one that rosbag can write.
 ros::Time readTime(const std::uint8_t* bytes) {
-  constexpr std::uint64_t kSecond = 1000000000;
+  constexpr std::uint64_t second_ns = 1000000000;
   const std::uint64_t time =
-      readValue<std::uint32_t>(bytes) * kSecond + readValue<std::uint32_t>(bytes + 4);
+      readValue<std::uint32_t>(bytes) * second_ns + readValue<std::uint32_t>(bytes + 4);
   ros::Time clamped;
   clamped.fromNSec(std::min(time, ros::TIME_MAX.toNSec()));
   return std::max(clamped, ros::TIME_MIN);

@@ -246,9 +246,9 @@ TEST(Robustness, HeapIsPoisoned) {
     GTEST_SKIP() << "valgrind brings its own malloc";
   }
   const PoisonedHeap heap(0xcd);
-  constexpr std::size_t kBytes = 3 << 20;
-  const std::unique_ptr<std::uint8_t[]> block(new std::uint8_t[kBytes]);
-  for (std::size_t i = 64; i < kBytes; i += 4096) {
+  constexpr std::size_t bytes = 3 << 20;
+  const std::unique_ptr<std::uint8_t[]> block(new std::uint8_t[bytes]);
+  for (std::size_t i = 64; i < bytes; i += 4096) {
     ASSERT_EQ(block[i], 0xcd ^ 0xff);
   }
 }
