@@ -147,7 +147,7 @@ StereoTopics FrameLoader::topicNames() const {
 sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
                                                   const ImageTopic& topic,
                                                   const sensor_msgs::CameraInfo& info, bool color) {
-  const sensor_msgs::ImageConstPtr image =
+  sensor_msgs::ImageConstPtr image =
       topic.compressed
           ? decompressImage(*readMessage<sensor_msgs::CompressedImage>(message, topic.name),
                             topic.name)

@@ -33,8 +33,8 @@ double numberOf(const ParameterValue& value) {
 
 /// The type of a value as users call it.
 const char* typeName(const ParameterValue& value) {
-  constexpr std::array<const char*, 3> kNames = {"true or false", "a whole number", "a number"};
-  return kNames[value.index()];
+  constexpr std::array<const char*, 3> names = {"true or false", "a whole number", "a number"};
+  return names[value.index()];
 }
 
 void requireFits(const Parameter& parameter, const ParameterValue& value) {
@@ -248,7 +248,8 @@ std::vector<std::string> correctOptions(StereoOptions& options) {
     sgm.p1 = sgm.p2;
   }
   if (sgmCostBound(sgm) > kLargestSgmCost) {
-    const float highest = static_cast<float>((kLargestSgmCost - 255) / 255 / sgm.iterations);
+    const int whole_highest = (kLargestSgmCost - 255) / 255 / sgm.iterations;
+    const auto highest = static_cast<float>(whole_highest);
     mends.push_back("P2 (" + valueText(sgm.p2) + ") was lowered to " + valueText(highest) +
                     ": the sums of " + valueText(sgm.iterations) +
                     " runs of semi-global matching must fit 16 bits");
