@@ -1,6 +1,9 @@
 # The library `cbmv_stereo_nodelets` (conversions and nodelet) and the program `cbmv_stereo_node`.
 file(GLOB ros_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/ros/*.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "_node\\.cpp$")
+if(CBMV_BUILD_FUZZERS)  # what reads messages
+  list(FILTER ros_sources INCLUDE REGEX "/(color_buffer|conversions|geometry|image_conversion|point_cloud)\\.cpp$")
+endif()
 
 add_library(cbmv_stereo_nodelets SHARED ${ros_sources})
 target_include_directories(cbmv_stereo_nodelets PRIVATE ${PROJECT_SOURCE_DIR}/src)
@@ -17,6 +20,9 @@ target_link_libraries(cbmv_stereo_node PRIVATE ${catkin_LIBRARIES})
 find_package(rosbag REQUIRED)
 find_package(image_geometry REQUIRED)
 file(GLOB offline_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/offline/*.cpp)
+if(CBMV_BUILD_FUZZERS)  # what reads bags
+  list(FILTER offline_sources INCLUDE REGEX "/(bag_reader|bag_set|frame_loader|frame_plan|pairing|stereo_topics)\\.cpp$")
+endif()
 add_library(cbmv_offline STATIC ${offline_sources})
 target_include_directories(cbmv_offline PUBLIC ${PROJECT_SOURCE_DIR}/src)
 target_include_directories(cbmv_offline SYSTEM PUBLIC ${rosbag_INCLUDE_DIRS}

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../io/binary_file.h"
+#include "../io/bounded_json.h"
 #include "../io/crc32_text.h"
 
 #include "cbmv_stereo/error.h"
@@ -19,6 +21,8 @@ namespace cbmv {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kLargestFile = 64 << 20;
 
 Json numberToJson(double value) { return std::isnan(value) ? Json() : Json(value); }
 
@@ -273,10 +277,10 @@ void writeJsonReport(const EvaluationReport& report, const std::string& path) {
 }
 
 EvaluationReport readJsonReport(const std::string& path) {
-  std::ifstream in = openForReading(path);
+  std::ifstream in = openForReading(path, kLargestFile);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   try {
-    const Json json = Json::parse(text);
+    const auto json = parseBounded<Json>(text);
     EvaluationReport report;
     report.forest = textFromJson(json.at("forest"));
     report.preset = textFromJson(json.at("preset"));
@@ -288,6 +292,9 @@ EvaluationReport readJsonReport(const std::string& path) {
       report.unscored = json.at("unscored").get<std::set<std::string>>();
     }
     return report;
+  } catch (const JsonTooLarge& error) {
+    throw Error("Cannot read " + path + ": it is not a report of this program, it " + error.what() +
+                ".");
   } catch (const Json::exception& error) {
     throw Error("Cannot read " + path + ": it is not a report of this program (" + error.what() +
                 ").");

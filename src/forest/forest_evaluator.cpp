@@ -85,9 +85,9 @@ HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::uint8_t* cod
   if constexpr (kLevels == 4) {
     return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);
   } else {
-    constexpr int kHalf = 1 << (kLevels - 1);
+    constexpr int half = 1 << (kLevels - 1);
     return hn::IfThenElse(isBelow(tree, kLevels - 1, codes),
-                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves + kHalf),
+                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves + half),
                           selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves));
   }
 }

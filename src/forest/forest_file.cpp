@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "../io/bounded_json.h"
 #include "../io/crc32_text.h"
 #include "forest_json.h"
 
@@ -22,6 +23,7 @@ constexpr const char* kProbability = "probability";
 constexpr std::streamoff kLargestFile = 64 << 20;
 constexpr int kIndentation = 1;
 constexpr int kOneLine = -1;
+constexpr std::int64_t kLargestNumber = std::numeric_limits<std::int64_t>::max();
 
 [[noreturn]] void fail(const std::string& file, const std::string& fault) {
   throw Error("forest " + file + ": " + fault);
@@ -173,7 +175,8 @@ void readMeasures(const Json& json, ForestProvenance& provenance) {
     provenance.calibration_error = json.at("calibration_error").get<double>();
     for (const Json& bin : json["reliability"]) {
       provenance.reliability.push_back(
-          {bin.at(0).get<double>(), bin.at(1).get<double>(), bin.at(2).get<long>()});
+          {bin.at(0).get<double>(), bin.at(1).get<double>(),
+           integerIn(bin.at(2), 0, kLargestNumber, "the number of samples of a bin")});
     }
   }
   if (json.contains("feature_importance")) {
@@ -183,14 +186,21 @@ void readMeasures(const Json& json, ForestProvenance& provenance) {
   }
 }
 
+std::uint64_t seedFromJson(const Json& json) {
+  if (!json.is_number_unsigned()) {
+    throw Fault("has a seed that is no whole number from 0 on");
+  }
+  return json.get<std::uint64_t>();
+}
+
 ForestProvenance provenanceFromJson(const Json& json) {
   ForestProvenance provenance;
   provenance.program = json.at("program").get<std::string>();
   provenance.data_set = json.at("data_set").get<std::string>();
   provenance.scenes = json.at("scenes").get<std::vector<std::string>>();
   provenance.options = json.at("options").get<std::string>();
-  provenance.samples = json.at("samples").get<long>();
-  provenance.seed = json.at("seed").get<std::uint64_t>();
+  provenance.samples = integerIn(json.at("samples"), 0, kLargestNumber, "the number of samples");
+  provenance.seed = seedFromJson(json.at("seed"));
   provenance.held_out_log_loss = json.at("held_out_log_loss").get<double>();
   readMeasures(json, provenance);
   return provenance;
@@ -220,7 +230,7 @@ Forest forestFromJson(const Json& json) {
   if (!json.is_object() || json.value("format", "") != kFormat) {
     throw Fault(std::string("has no \"format\": \"") + kFormat + "\", so it is not a forest");
   }
-  const int version = json.at("version").get<int>();
+  const auto version = integerIn(json.at("version"), 0, kLargestNumber, "the format version");
   if (version != kVersion) {
     throw Fault("has format version " + std::to_string(version) + ", this program reads version " +
                 std::to_string(kVersion));
@@ -328,7 +338,7 @@ void validateForest(const Forest& forest, const std::string& file_name) {
 
 Forest parseForest(const std::string& text, const std::string& file_name) {
   try {
-    Forest forest = forestFromJson(Json::parse(text));
+    Forest forest = forestFromJson(parseBounded<Json>(text));
     forest.name = file_name.substr(file_name.find_last_of('/') + 1);
     checkForest(forest);
     return forest;
@@ -337,6 +347,8 @@ Forest parseForest(const std::string& text, const std::string& file_name) {
          "is not a forest, or cut off: no valid JSON at byte " + std::to_string(error.byte));
   } catch (const Json::exception& error) {
     fail(file_name, std::string("has a missing or misplaced entry: ") + error.what());
+  } catch (const JsonTooLarge& error) {
+    fail(file_name, std::string("is not a forest, it ") + error.what());
   } catch (const Fault& fault) {
     fail(file_name, fault.what());
   }

@@ -20,6 +20,14 @@ struct Fault : std::runtime_error {
 
 inline std::int64_t integerIn(const Json& value, std::int64_t lowest, std::int64_t highest,
                               const std::string& what) {
+  // Not what JSON has beyond 64 bits or behind a point: the conversion of such is undefined.
+  const bool is_integer =
+      value.is_number_integer() &&
+      (!value.is_number_unsigned() ||
+       value.get<std::uint64_t>() <= std::uint64_t{std::numeric_limits<std::int64_t>::max()});
+  if (!is_integer) {
+    throw Fault(what + " is no whole number, or too large");
+  }
   const auto number = value.get<std::int64_t>();
   if (number < lowest || number > highest) {
     throw Fault(what + " is " + std::to_string(number) + ", outside of [" + std::to_string(lowest) +

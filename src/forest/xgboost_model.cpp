@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../io/bounded_json.h"
 #include "forest_json.h"
 
 #include "cbmv_stereo/confidence/feature_names.h"
@@ -16,7 +17,7 @@ void require(bool good, const std::string& fault) {
 
 /// XGBoost writes its parameters as text: "5E-1", since version 3 "[5E-1]".
 double numberIn(const Json& text) {
-  const Json number = Json::parse(text.get<std::string>());
+  const auto number = parseBounded<Json>(text.get<std::string>());
   return (number.is_array() ? number.at(0) : number).get<double>();
 }
 
@@ -27,12 +28,13 @@ DecisionTree treeFromXgboost(const Json& json) {
   const Json& thresholds = json.at("split_conditions");  // of a leaf: its value
   if (json.contains("split_type")) {
     for (const Json& type : json["split_type"]) {
-      require(type.get<int>() == 0, "asks for categories, not for thresholds");
+      require(integerIn(type, 0, 1, "a tree's split_type") == 0,
+              "asks for categories, not for thresholds");
     }
   }
   DecisionTree tree;
   for (std::size_t n = 0; n < low.size(); ++n) {
-    const bool leaf = low[n].get<int>() == -1;
+    const bool leaf = low[n] == -1;
     tree.nodes.push_back(leaf ? leafNode(thresholds.at(n), n)
                               : innerNode(features.at(n), thresholds.at(n), low[n], high.at(n)));
   }

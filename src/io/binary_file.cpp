@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-std::ifstream openForReading(const std::string& path) {
+std::ifstream openForReading(const std::string& path, std::uintmax_t largest) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     throw Error("Cannot read " + path + ": no such file.");
@@ -15,12 +15,25 @@ std::ifstream openForReading(const std::string& path) {
   if (!std::filesystem::is_regular_file(path, error)) {
     throw Error("Cannot read " + path + ": it is not a file.");
   }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size > largest) {
+    throw Error("Cannot read " + path + ": it has " + std::to_string(size) +
+                " bytes, such a file has at most " + std::to_string(largest) + ".");
+  }
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     throw Error("Cannot read " + path + ": opening it failed, its permissions must allow reading.");
   }
   in.imbue(std::locale::classic());
   return in;
+}
+
+std::vector<std::uint8_t> readBytes(const std::string& path, std::uintmax_t largest) {
+  std::ifstream in = openForReading(path, largest);
+  std::vector<std::uint8_t> bytes(std::filesystem::file_size(path));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
 }
 
 void makeFolder(const std::string& path) {

@@ -3,12 +3,19 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
+#include <vector>
 
 namespace cbmv {
 
-/// Opens a regular file for reading, numbers in the "C" locale. Throws Error naming it otherwise.
-std::ifstream openForReading(const std::string& path);
+/// Opens a regular file for reading, numbers in the "C" locale. Throws Error naming it otherwise,
+/// and where it has more than `largest` bytes.
+std::ifstream openForReading(const std::string& path,
+                             std::uintmax_t largest = std::numeric_limits<std::uintmax_t>::max());
+
+/// All bytes of such a file.
+std::vector<std::uint8_t> readBytes(const std::string& path, std::uintmax_t largest);
 
 /// Makes the folder and those it lies in, where they are not there. Throws Error naming it when
 /// that fails.

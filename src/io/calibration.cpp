@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iomanip>
 #include <limits>
 #include <locale>
@@ -16,11 +17,13 @@
 namespace cbmv {
 namespace {
 
+constexpr std::uintmax_t kLargestFile = 1 << 20;
+
 /// The `key=value` lines of one file, and what to say about those that are not as they should be.
 class KeyValueFile {
  public:
   explicit KeyValueFile(const std::string& path) : path_(path) {
-    std::ifstream in = openForReading(path);
+    std::ifstream in = openForReading(path, kLargestFile);
     std::string line;
     while (std::getline(in, line)) {
       const std::size_t equals = line.find('=');

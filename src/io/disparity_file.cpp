@@ -19,7 +19,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Without OpenCV's conversions of colours and depths.
 cv::Mat readIntegers(const std::string& path) {
-  cv::Mat image = decodeImage(path, cv::IMREAD_UNCHANGED);
+  cv::Mat image = decodeImageFile(path, cv::IMREAD_UNCHANGED);
   if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_16UC1)) {
     throw Error("Cannot read " + path + ": disparities must be a .pfm file or a grey image of 8 " +
                 "or 16 bits that OpenCV can decode.");
@@ -35,7 +35,7 @@ cv::Mat readDisparity(const std::string& path, double divisor) {
   cv::Mat disparity;
   values.convertTo(disparity, CV_32F, 1.0 / divisor);
   for (auto value = disparity.begin<float>(); value != disparity.end<float>(); ++value) {
-    if (is_float ? !std::isfinite(*value) : *value == 0.0F) {
+    if (!std::isfinite(*value) || (!is_float && *value == 0.0F)) {
       *value = kUnknown;
     }
   }

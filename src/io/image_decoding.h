@@ -1,22 +1,38 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "binary_file.h"
+#include "image_size.h"
+
+#include "cbmv_stereo/error.h"
 
 namespace cbmv {
 
-/// The image in a file; empty where OpenCV cannot decode it. Throws Error naming the file when it
-/// cannot be opened, because OpenCV does not say why it fails. `flags`: cv::ImreadModes.
-inline cv::Mat decodeImage(const std::string& path, int flags) {
-  openForReading(path);
+/// The image in these bytes; empty where OpenCV cannot decode it. `flags`: cv::ImreadModes.
+inline cv::Mat decodeImage(const std::vector<std::uint8_t>& bytes, int flags) {
   try {
-    return cv::imread(path, flags);
+    return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, flags);
   } catch (const cv::Exception&) {
     return {};
   }
+}
+
+/// The same from a file. Throws Error naming the file when it cannot be opened, because OpenCV does
+/// not say why it fails, or claims to hold more than kMaxImagePixels.
+inline cv::Mat decodeImageFile(const std::string& path, int flags) {
+  constexpr std::uintmax_t largest_file = 1U << 30;
+  const std::vector<std::uint8_t> bytes = readBytes(path, largest_file);
+  if (claimedPixels(bytes.data(), bytes.size()) > kMaxImagePixels) {
+    throw Error("Cannot read " + path + ": it claims to hold " +
+                std::to_string(claimedPixels(bytes.data(), bytes.size())) +
+                " pixels, images must have at most " + std::to_string(kMaxImagePixels) + ".");
+  }
+  return decodeImage(bytes, flags);
 }
 
 }  // namespace cbmv

@@ -10,7 +10,7 @@
 namespace cbmv {
 
 cv::Mat readColorImage(const std::string& path) {
-  cv::Mat image = decodeImage(path, cv::IMREAD_COLOR);
+  cv::Mat image = decodeImageFile(path, cv::IMREAD_COLOR);
   if (image.empty()) {
     throw Error("Cannot read " + path + ": it is not an image, or damaged, or of a format that " +
                 "OpenCV cannot decode.");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <locale>
 #include <map>
@@ -19,6 +20,8 @@ namespace cbmv {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestFile = 64 << 20;
 
 struct ListedPair {
   std::string left, right, truth;
@@ -69,7 +72,7 @@ int neededDisparities(const cv::Mat& truth) {
 class ListReader : public SceneReader {
  public:
   explicit ListReader(const fs::path& file) : folder_(file.parent_path()) {
-    std::ifstream in = openForReading(file.string());
+    std::ifstream in = openForReading(file.string(), kLargestFile);
     std::string text;
     for (int number = 1; std::getline(in, text); ++number) {
       text.erase(std::min(text.find('#'), text.size()));

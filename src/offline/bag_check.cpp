@@ -31,7 +31,7 @@ double steadySeconds() {
 }
 
 void describeBags(const BagSet& bags, const FramePlan& plan, BagCheck& check) {
-  check.text = bags.names() + ", " + format("%.1f s:\n", (plan.end - plan.begin).toSec()) +
+  check.text = bags.names() + ", " + format("%.1f s:\n", plan.end.toSec() - plan.begin.toSec()) +
                bags.describeTopics();
   for (const std::string& damage : bags.damages()) {
     check.problems.push_back(damage);

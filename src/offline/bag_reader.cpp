@@ -16,8 +16,11 @@ namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kCachedChunks = 8;
-constexpr std::uint64_t kHeldBytes = 16 << 20;  // of the file while it is looked through
-constexpr std::uint32_t kStampOffset = 4;       // a header begins with its sequence number
+constexpr std::uint64_t kHeldBytes = 16 << 20;     // of the file while it is looked through
+constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
+constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
+constexpr std::uint32_t kLargestChunk = 1U << 30;  // bytes unpacked; rosbag makes them of 768 kB
+constexpr std::uint64_t kLargestLz4Ratio = 255;  // of the format: a byte stands for at most so many
 
 template <typename Value>
 Value readValue(const std::uint8_t* bytes) {
@@ -26,8 +29,14 @@ Value readValue(const std::uint8_t* bytes) {
   return value;
 }
 
+/// What is no time that ROS can express becomes the nearest one that rosbag can write.
 ros::Time readTime(const std::uint8_t* bytes) {
-  return {readValue<std::uint32_t>(bytes), readValue<std::uint32_t>(bytes + 4)};
+  constexpr std::uint64_t second_ns = 1000000000;
+  const std::uint64_t time =
+      readValue<std::uint32_t>(bytes) * second_ns + readValue<std::uint32_t>(bytes + 4);
+  ros::Time clamped;
+  clamped.fromNSec(std::min(time, ros::TIME_MAX.toNSec()));
+  return std::max(clamped, ros::TIME_MIN);
 }
 
 /// A record whose bytes are all there.
@@ -65,6 +74,7 @@ bool readFields(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end
 /// False if there is no whole record between `begin` and `end`.
 bool readRecord(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end, Record& record) {
   record.fields.clear();
+  record.op = 0;
   if (begin > end || end - begin < 4) {
     return false;
   }
@@ -185,6 +195,7 @@ void BagReader::walkRecords(const std::uint8_t* data, std::uint64_t begin, std::
       findings.connections[connection] = readConnection(data, record);
     } else if (record.op == rosbag::OP_MSG_DATA) {
       BagEntry entry;
+      entry.time = entry.stamp = ros::TIME_MIN;
       const std::string_view time = record.fields[rosbag::TIME_FIELD_NAME];
       if (time.size() == 8) {
         entry.time = readTime(reinterpret_cast<const std::uint8_t*>(time.data()));
@@ -257,6 +268,11 @@ BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
   const bool lz4 = chunk.compression == rosbag::COMPRESSION_LZ4;
   if (!lz4 && chunk.compression != rosbag::COMPRESSION_BZ2) {
     throw Error(path_ + " has a chunk of the unknown compression '" + chunk.compression + "'");
+  }
+  if (chunk.size > kLargestChunk ||
+      (lz4 && chunk.size > kLargestLz4Ratio * (std::uint64_t{chunk.packed_size} + 1))) {
+    throw Error(path_ + " has a chunk of " + std::to_string(chunk.packed_size) +
+                " bytes that claims to unpack to " + std::to_string(chunk.size));
   }
   auto bytes = std::make_shared<std::vector<std::uint8_t>>(chunk.size);
   try {

@@ -1,13 +1,15 @@
 #include "offline/frame_loader.h"
 
+#include <cstdint>
+#include <string>
 #include <utility>
 
 #include <boost/make_shared.hpp>
 #include <cv_bridge/cv_bridge.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include "io/image_decoding.h"
 #include "ros/image_conversion.h"
 
 namespace cbmv {
@@ -37,14 +39,6 @@ std::string encodingOf(const cv::Mat& image, const std::string& format) {
   return deep ? encodings::BGRA16 : encodings::BGRA8;
 }
 
-cv::Mat decodeBytes(const std::vector<std::uint8_t>& bytes) {
-  try {
-    return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
-
 bool isPlainGrey(const std::string& encoding) {
   return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
 }
@@ -56,9 +50,49 @@ sensor_msgs::ImageConstPtr renamed(const sensor_msgs::ImageConstPtr& plain) {
   return image;
 }
 
-/// What image_proc makes of raw images: grey or colour, with the 8 or 16 bits that they have.
-sensor_msgs::ImagePtr rectify(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
-                              const image_geometry::PinholeCameraModel& camera, bool color) {
+void requireSize(const cv::Size& size, const cv::Size& described, const std::string& topic) {
+  if (size != described) {
+    throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(size) +
+                                                      ", its camera_info describes images of " +
+                                                      sizeText(described));
+  }
+}
+
+using CameraModel = image_geometry::PinholeCameraModel;
+
+/// With the maps of the rectification: from then on the model is only read.
+std::shared_ptr<const CameraModel> withMaps(const std::shared_ptr<CameraModel>& camera) {
+  cv::Mat ignored;  // the first image, of any size, makes the maps
+  camera->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
+  return camera;
+}
+
+}  // namespace
+
+std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& info,
+                                              const std::string& topic,
+                                              const sensor_msgs::Image& raw) {
+  if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
+    throw InputError(InputFault::kUncalibrated,
+                     topic +
+                         " is raw, but its camera_info has no calibration, so it cannot be "
+                         "rectified");
+  }
+  auto camera = std::make_shared<CameraModel>();
+  try {
+    camera->fromCameraInfo(info);
+    requireSize(imageSize(raw), camera->reducedResolution(), topic);  // before maps take memory
+    return withMaps(camera);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {  // OpenCV's and image_geometry's own
+    throw InputError(InputFault::kUncalibrated,
+                     topic + " is raw, but its camera_info cannot be used: " + error.what());
+  }
+}
+
+sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
+                                   const CameraModel& camera, bool color) {
   cv_bridge::CvImageConstPtr image;
   try {
     const bool deep = encodings::bitDepth(raw->encoding) == 16;
@@ -70,44 +104,22 @@ sensor_msgs::ImagePtr rectify(const sensor_msgs::ImageConstPtr& raw, const std::
         InputFault::kUnsupportedEncoding,
         topic + " has the encoding '" + raw->encoding + "', which cannot be used: " + error.what());
   }
-  const cv::Size size = camera.reducedResolution();
-  if (image->image.size() != size) {
-    throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(image->image.size()) +
-                                                      ", its camera_info describes images of " +
-                                                      sizeText(size));
-  }
+  requireSize(image->image.size(), camera.reducedResolution(), topic);
   cv::Mat rectified;
   camera.rectifyImage(image->image, rectified);
   return boost::make_shared<sensor_msgs::Image>(toMessage(rectified, image->encoding, raw->header));
 }
 
-using CameraModel = image_geometry::PinholeCameraModel;
-
-std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& info,
-                                              const std::string& topic) {
-  if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
-    throw InputError(InputFault::kUncalibrated,
-                     topic +
-                         " is raw, but its camera_info has no calibration, so it cannot be "
-                         "rectified");
-  }
-  auto camera = std::make_shared<CameraModel>();
-  camera->fromCameraInfo(info);
-  // The first image, of any size, makes the maps; from then on the model is only read.
-  cv::Mat ignored;
-  camera->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
-  return camera;
-}
-
-}  // namespace
-
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
                                       const std::string& topic) {
-  const cv::Mat image = decodeBytes(message.data);
+  const std::uint64_t pixels = claimedPixels(message.data.data(), message.data.size());
+  const cv::Mat image =
+      pixels > kMaxImagePixels ? cv::Mat() : decodeImage(message.data, cv::IMREAD_UNCHANGED);
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has an image of the format '" + message.format +
-                         "' that cannot be decoded; JPEG or PNG would be right");
+                         "' that cannot be decoded; JPEG or PNG of at most " +
+                         std::to_string(kMaxImagePixels) + " pixels would be right");
   }
   return boost::make_shared<sensor_msgs::Image>(
       toMessage(image, encodingOf(image, message.format), message.header));
@@ -135,16 +147,19 @@ StereoTopics FrameLoader::topicNames() const {
 sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
                                                   const ImageTopic& topic,
                                                   const sensor_msgs::CameraInfo& info, bool color) {
-  const sensor_msgs::ImageConstPtr image =
+  sensor_msgs::ImageConstPtr image =
       topic.compressed
           ? decompressImage(*readMessage<sensor_msgs::CompressedImage>(message, topic.name),
                             topic.name)
           : readMessage<sensor_msgs::Image>(message, topic.name);
-  return topic.raw ? rectify(image, topic.name, *cameraOf(info, topic.name), color) : image;
+  if (!topic.raw) {
+    return image;
+  }
+  return rectifyImage(image, topic.name, *cameraOf(info, topic.name, *image), color);
 }
 
 FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
-                                          const std::string& topic) {
+                                          const std::string& topic, const sensor_msgs::Image& raw) {
   sensor_msgs::CameraInfo calibration = info;
   calibration.header = {};
   {
@@ -156,7 +171,7 @@ FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
   }
   // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
   // frame.
-  Camera camera = makeCamera(info, topic);
+  Camera camera = makeCamera(info, topic, raw);
   const std::lock_guard<std::mutex> lock(cameras_mutex_);
   cameras_[topic] = {calibration, camera};
   return camera;

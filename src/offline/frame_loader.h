@@ -24,6 +24,16 @@ struct LoadedFrame {
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
                                       const std::string& topic);
 
+/// The calibration of a raw image. Throws InputError that names the topic if it has none, a useless
+/// one, or that of images of another size.
+std::shared_ptr<const image_geometry::PinholeCameraModel> makeCamera(
+    const sensor_msgs::CameraInfo& info, const std::string& topic, const sensor_msgs::Image& raw);
+
+/// What image_proc makes of a raw image: grey or colour, with the 8 or 16 bits that it has. Throws
+/// InputError that names the topic.
+sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
+                                   const image_geometry::PinholeCameraModel& camera, bool color);
+
 /// Reads, unpacks and rectifies. May be used by several threads at once.
 class FrameLoader {
  public:
@@ -40,7 +50,8 @@ class FrameLoader {
 
   sensor_msgs::ImageConstPtr loadImage(const BagMessage& message, const ImageTopic& topic,
                                        const sensor_msgs::CameraInfo& info, bool color);
-  Camera cameraOf(const sensor_msgs::CameraInfo& info, const std::string& topic);
+  Camera cameraOf(const sensor_msgs::CameraInfo& info, const std::string& topic,
+                  const sensor_msgs::Image& raw);
 
   const CameraTopics topics_;
   const bool with_color_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "offline/pairing.h"
@@ -10,6 +11,8 @@
 
 namespace cbmv {
 namespace {
+
+constexpr double kLongestDurationS = 2e9;  // ros::Duration holds a little more
 
 using Messages = std::vector<BagMessage>;
 
@@ -48,12 +51,19 @@ StampedTopic readInfos(const BagSet& bags, const std::string& topic) {
   return infos;
 }
 
+/// `time` and so many seconds, at most the last moment that ROS knows.
+ros::Time later(const ros::Time& time, double seconds) {
+  const double left_s = ros::TIME_MAX.toSec() - time.toSec();
+  return seconds < std::min(left_s, kLongestDurationS) ? time + ros::Duration(seconds)
+                                                       : ros::TIME_MAX;
+}
+
 void choosePart(const BagSet& bags, const PlanOptions& options, FramePlan& plan) {
   if (bags.messages().empty()) {
     return;
   }
-  plan.begin = bags.messages().front().entry->time + ros::Duration(options.start_s);
-  plan.end = options.duration_s > 0 ? plan.begin + ros::Duration(options.duration_s)
+  plan.begin = later(bags.messages().front().entry->time, options.start_s);
+  plan.end = options.duration_s > 0 ? later(plan.begin, options.duration_s)
                                     : bags.messages().back().entry->time;
 }
 
@@ -83,8 +93,9 @@ double smallestGap(const Messages& left_alone, const Messages& right) {
   double gap_s = std::numeric_limits<double>::infinity();
   for (const BagMessage& left : left_alone) {
     if (!sorted.empty()) {
-      const ros::Time& stamp = left.entry->stamp;
-      gap_s = std::min(gap_s, std::abs((sorted[nearestStamp(sorted, stamp)] - stamp).toSec()));
+      const std::int64_t gap_ns =
+          distanceNs(sorted[nearestStamp(sorted, left.entry->stamp)], left.entry->stamp);
+      gap_s = std::min(gap_s, static_cast<double>(gap_ns) * 1e-9);
     }
   }
   return gap_s;

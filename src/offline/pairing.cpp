@@ -1,6 +1,7 @@
 #include "offline/pairing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace cbmv {
@@ -31,13 +32,17 @@ SortedStamps sortStamps(const std::vector<ros::Time>& stamps, std::vector<std::s
 
 }  // namespace
 
+std::int64_t distanceNs(const ros::Time& a, const ros::Time& b) {
+  return std::abs(static_cast<std::int64_t>(a.toNSec()) - static_cast<std::int64_t>(b.toNSec()));
+}
+
 std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& stamp) {
   const auto next = std::lower_bound(stamps.begin(), stamps.end(), stamp);
   if (next == stamps.begin()) {
     return 0;
   }
   const auto index = static_cast<std::size_t>(next - stamps.begin());
-  if (next == stamps.end() || stamp - *(next - 1) <= *next - stamp) {
+  if (next == stamps.end() || distanceNs(stamp, *(next - 1)) <= distanceNs(stamp, *next)) {
     return index - 1;
   }
   return index;
@@ -48,13 +53,13 @@ StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros:
   StampPairs result;
   const SortedStamps lefts = sortStamps(left, result.left_repeated);
   const SortedStamps rights = sortStamps(right, result.right_repeated);
-  const ros::Duration bound(max_difference_s);
+  const double bound_ns = std::round(std::max(0.0, max_difference_s) * 1e9);
   std::vector<bool> taken(rights.stamps.size(), false);
   for (std::size_t i = 0; i < lefts.stamps.size(); ++i) {
     const ros::Time& stamp = lefts.stamps[i];
     const std::size_t j = rights.stamps.empty() ? 0 : nearestStamp(rights.stamps, stamp);
-    const bool is_pair = !rights.stamps.empty() && rights.stamps[j] - stamp <= bound &&
-                         stamp - rights.stamps[j] <= bound &&
+    const bool is_pair = !rights.stamps.empty() &&
+                         static_cast<double>(distanceNs(stamp, rights.stamps[j])) <= bound_ns &&
                          nearestStamp(lefts.stamps, rights.stamps[j]) == i;
     if (is_pair) {
       result.pairs.emplace_back(lefts.indices[i], rights.indices[j]);

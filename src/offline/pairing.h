@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct StampPairs {
 /// `max_difference_s` (0: not at all) at most.
 StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
                       double max_difference_s);
+
+/// Time between two stamps in nanoseconds, however far they are apart: ros::Duration ends at 68
+/// years.
+std::int64_t distanceNs(const ros::Time& a, const ros::Time& b);
 
 /// Index of the stamp nearest to `stamp`, the earlier one of two; `stamps` is sorted and not empty.
 std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& stamp);

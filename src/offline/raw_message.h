@@ -11,6 +11,8 @@
 #include <ros/message_traits.h>
 #include <ros/serialization.h>
 
+#include "offline/message_lengths.h"
+
 namespace cbmv {
 
 /// A topic of a bag as one publisher wrote it.
@@ -44,9 +46,11 @@ RawMessage toRawMessage(const Message& message, const std::string& topic) {
   return {std::make_shared<const BagConnection>(connection), bytes, bytes.get(), size};
 }
 
-/// Throws ros::serialization::StreamOverrunException if the bytes are too few.
+/// Throws ros::serialization::StreamOverrunException if the bytes are too few; no more memory is
+/// taken than they have, whatever lengths they claim.
 template <typename Message>
 boost::shared_ptr<Message> fromRawMessage(const RawMessage& raw) {
+  requireLengths<Message>(raw.data, raw.size);
   auto message = boost::make_shared<Message>();
   // IStream takes no constant bytes, but does not write to them.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <sstream>
 #include <type_traits>
 #include <utility>
@@ -22,6 +24,7 @@ std::string valueText(const ParameterValue& value) {
 
 namespace {
 
+constexpr std::uintmax_t kLargestPreset = 64 << 10;
 constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
 
 double numberOf(const ParameterValue& value) {
@@ -30,8 +33,8 @@ double numberOf(const ParameterValue& value) {
 
 /// The type of a value as users call it.
 const char* typeName(const ParameterValue& value) {
-  constexpr std::array<const char*, 3> kNames = {"true or false", "a whole number", "a number"};
-  return kNames[value.index()];
+  constexpr std::array<const char*, 3> names = {"true or false", "a whole number", "a number"};
+  return names[value.index()];
 }
 
 void requireFits(const Parameter& parameter, const ParameterValue& value) {
@@ -201,6 +204,14 @@ ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node)
   return node.as<double>();
 }
 
+void requirePresetSize(const std::string& path) {
+  std::error_code ignored;  // what cannot be opened is found so when it is read
+  if (std::filesystem::is_regular_file(path, ignored) &&
+      std::filesystem::file_size(path, ignored) > kLargestPreset) {
+    throw Error("is larger than " + std::to_string(kLargestPreset) + " bytes, so it is no preset");
+  }
+}
+
 }  // namespace
 
 std::vector<Parameter> stereoParameters() {
@@ -238,7 +249,8 @@ std::vector<std::string> correctOptions(StereoOptions& options) {
     sgm.p1 = sgm.p2;
   }
   if (sgmCostBound(sgm) > kLargestSgmCost) {
-    const float highest = static_cast<float>((kLargestSgmCost - 255) / 255 / sgm.iterations);
+    const int whole_highest = (kLargestSgmCost - 255) / 255 / sgm.iterations;
+    const auto highest = static_cast<float>(whole_highest);
     mends.push_back("P2 (" + valueText(sgm.p2) + ") was lowered to " + valueText(highest) +
                     ": the sums of " + valueText(sgm.iterations) +
                     " runs of semi-global matching must fit 16 bits");
@@ -256,6 +268,7 @@ std::vector<std::string> correctOptions(StereoOptions& options) {
 
 void readPreset(const std::string& path, StereoOptions& options) {
   try {
+    requirePresetSize(path);
     const YAML::Node preset = YAML::LoadFile(path);
     if (!preset.IsMap()) {
       throw Error("is not a map from parameter names to values");

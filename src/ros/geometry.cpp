@@ -11,6 +11,8 @@
 namespace cbmv {
 namespace {
 
+constexpr double kLargestNumber = 1e9;  // px or m; any pair of them has a product that float holds
+
 /// The part of a projection matrix that is used, in pixels of the image as it is sent.
 struct Projection {
   double fx;
@@ -64,6 +66,22 @@ Projection toProjection(const sensor_msgs::CameraInfo& info) {
           (info.P[6] - info.roi.y_offset) / binning_y, info.P[3] / binning_x};
 }
 
+/// Numbers in P that are finite each can still give a focal length or baseline that is not.
+void checkGeometry(const StereoGeometry& geometry, const StereoTopics& topics) {
+  for (const double number :
+       {geometry.focal_length_px, geometry.baseline_m, geometry.disparity_offset_px,
+        geometry.left_fx_px, geometry.left_fy_px, geometry.left_cx_px, geometry.left_cy_px}) {
+    if (!(std::abs(number) <= kLargestNumber)) {
+      throw InputError(InputFault::kUncalibrated,
+                       topics.left_info + " and " + topics.right_info +
+                           " have projection matrices with numbers of no reasonable size, which "
+                           "give a focal length of " +
+                           std::to_string(geometry.focal_length_px) + " px and a baseline of " +
+                           std::to_string(geometry.baseline_m) + " m: calibrate the cameras");
+    }
+  }
+}
+
 }  // namespace
 
 StereoGeometry toGeometry(const sensor_msgs::CameraInfo& left_info,
@@ -87,6 +105,7 @@ StereoGeometry toGeometry(const sensor_msgs::CameraInfo& left_info,
   geometry.left_fy_px = left.fy;
   geometry.left_cx_px = left.cx;
   geometry.left_cy_px = left.cy;
+  checkGeometry(geometry, topics);
   return geometry;
 }
 

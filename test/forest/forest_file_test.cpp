@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/random_forest.h"
 
@@ -111,6 +112,27 @@ TEST(ForestFile, NamesDamage) {
   for (const auto& [text, fault] : cases) {
     writeAll(pathOf("bad"), text);
     EXPECT_THAT(refusal(pathOf("bad")), AllOf(HasSubstr(pathOf("bad")), HasSubstr(fault)));
+  }
+}
+
+/// What would overflow the stack, take minutes, or be read as another number.
+TEST(ForestFile, RefusesHostileJson) {
+  const auto fault = [](const std::string& text) {
+    return errorText([&] { parseForest(text, "hostile"); });
+  };
+  const std::string depths(500000, '[');
+  EXPECT_THAT(fault(R"({"format": "cbmv_stereo forest", "version": 1, "model": )" + depths),
+              HasSubstr("64 levels"));
+  std::string keys = "{\"a\": 0";
+  for (int i = 0; i < 100000; ++i) {
+    keys += ", \"" + std::to_string(i) + "\": 0";
+  }
+  EXPECT_THAT(fault(keys + "}"), HasSubstr("4096 keys"));
+  writeForest(makeForest(3, 4, 2), pathOf("good"));
+  const std::string good = contentOf(pathOf("good"));
+  for (const char* version : {"1.5", "1e300", "18446744073709551615"}) {
+    EXPECT_THAT(fault(replaced(good, "\"version\": 1", std::string("\"version\": ") + version)),
+                HasSubstr("whole number"));
   }
 }
 

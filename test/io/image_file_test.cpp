@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "support/error_text.h"
+#include "support/file_content.h"
 #include "support/temporary_folder.h"
 
 namespace cbmv {
@@ -53,6 +54,24 @@ TEST(ImageFile, ColorBecomesGreyByLumaWeights) {
       const double expected = 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2];
       ASSERT_NEAR(grey.at<uchar>(y, x), expected, 0.51);  // rounded, weights in fixed point
     }
+  }
+}
+
+/// Some bytes that promise gigabytes.
+TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
+  const TemporaryFolder folder;
+  writeImage(folder.file("small.png"), randomImage(5, 7, CV_8UC1));
+  std::string png = contentOf(folder.file("small.png"));
+  png.replace(16, 8, std::string("\0\0\xff\xff\0\0\xff\xff", 8));
+  writeImage(folder.file("small.jpg"), randomImage(5, 7, CV_8UC1));
+  std::string jpeg = contentOf(folder.file("small.jpg"));
+  jpeg.replace(jpeg.find("\xff\xc0") + 5, 4, "\xff\xff\xff\xff");
+  for (const std::string& content : {png, jpeg}) {
+    const std::string file = folder.write("huge", content);
+    EXPECT_EQ(errorText([&] { readGreyImage(file); }),
+              "Cannot read " + file +
+                  ": it claims to hold 4294836225 pixels, images must have at " +
+                  "most 134217728.");
   }
 }
 

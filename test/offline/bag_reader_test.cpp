@@ -114,5 +114,32 @@ TEST(BagReader, NamesADamagedChunk) {
   EXPECT_GE(reader.entries().size(), 1U);
 }
 
+TEST(BagReader, TakesNoMemoryForWhatAChunkClaims) {
+  const TemporaryFolder folder;
+  for (const auto compression : {rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    std::string bytes = contentOf(writeRecording(folder.file("in.bag"), 5, nullptr, compression));
+    for (std::size_t place = 0; (place = bytes.find("size=", place)) != std::string::npos;) {
+      place += 5;
+      bytes.replace(place, 4, "\xff\xff\xff\xff");
+    }
+    const BagReader reader(folder.write("hostile.bag", bytes));
+    EXPECT_THAT(reader.damage(), testing::HasSubstr("cannot be unpacked"));
+    EXPECT_TRUE(reader.entries().empty());
+  }
+}
+
+/// rosbag takes no time before TIME_MIN, and ROS none behind TIME_MAX.
+TEST(BagReader, BringsTimesIntoTheRangeOfRos) {
+  const TemporaryFolder folder;
+  std::string bytes = contentOf(writeRecording(folder.file("in.bag"), 2));
+  const std::size_t first = bytes.find("time=") + 5;
+  bytes.replace(first, 8, std::string(8, '\xff'));
+  const std::size_t second = bytes.find("time=", first) + 5;
+  bytes.replace(second, 8, std::string(8, '\0'));
+  const BagReader reader(folder.write("hostile.bag", bytes));
+  EXPECT_EQ(reader.entries().front().time, ros::TIME_MIN);
+  EXPECT_EQ(reader.entries().back().time, ros::TIME_MAX);
+}
+
 }  // namespace
 }  // namespace cbmv

@@ -45,6 +45,15 @@ TEST(PairStamps, BoundIsPartOfTheRange) {
   EXPECT_EQ(pairStamps(times({1}), times({1.25}), 0.2).pairs.size(), 0U);
 }
 
+/// Further apart than ros::Duration can say.
+TEST(PairStamps, StampsMayBeACenturyApart) {
+  const std::vector<ros::Time> stamps = {ros::Time(1, 0), ros::Time(4200000000, 5)};
+  EXPECT_EQ(distanceNs(stamps[0], stamps[1]), 4199999999000000005);
+  EXPECT_EQ(nearestStamp(stamps, ros::Time(2000000000, 0)), 0U);
+  const StampPairs pairs = pairStamps(stamps, {ros::Time(2100000000, 0)}, 0.5);
+  EXPECT_EQ(pairs.left_alone.size(), 2U);
+}
+
 /// Each the other's nearest, by comparing all with all.
 Pairs referencePairs(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
                      double bound_s) {

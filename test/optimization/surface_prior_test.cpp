@@ -124,10 +124,10 @@ TEST(SurfacePrior, DependsNeitherOnThreadsNorOnEarlierMaps) {
 /// first plane of a cell; with residuals within a pixel, the others are of the same kind.
 class NaivePlanes {
  public:
-  NaivePlanes(const cv::Mat& coarse, double reach_px) : coarse_(coarse) {
-    columns_ = kernel((coarse.cols + 3) / 4, reach_px / 8);
-    rows_ = kernel((coarse.rows + 3) / 4, reach_px / 8);
-  }
+  NaivePlanes(const cv::Mat& coarse, double reach_px)
+      : coarse_(coarse),
+        columns_(kernel((coarse.cols + 3) / 4, reach_px / 8)),
+        rows_(kernel((coarse.rows + 3) / 4, reach_px / 8)) {}
 
   /// Weighted sums of f(x, y, d) at a cell.
   double sum(int row, int column, const std::function<double(double, double, double)>& f) const {

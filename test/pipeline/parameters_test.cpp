@@ -139,6 +139,26 @@ TEST(Preset, NamesFileAndKeyThatAreWrong) {
   EXPECT_THAT(read(writePreset("P1: [")), HasSubstr("not valid YAML"));
 }
 
+TEST(Preset, RefusesHostileYaml) {
+  const auto read = [](const std::string& text) {
+    return refusal([&] {
+      StereoOptions options;
+      readPreset(writePreset(text), options);
+    });
+  };
+  EXPECT_THAT(read("P1: .nan"), HasSubstr("P1 is nan"));
+  EXPECT_THAT(read("P1: .inf"), HasSubstr("[0, 60]"));
+  EXPECT_THAT(read("P1: " + std::string(2000, '[')), HasSubstr("not valid YAML"));
+  EXPECT_THAT(read("# " + std::string(70000, 'x')), HasSubstr("larger than 65536 bytes"));
+  std::string bomb = "a0: &a0 [x, x]\n";
+  for (int i = 1; i < 60; ++i) {
+    const std::string last = "*a" + std::to_string(i - 1);
+    bomb +=
+        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + last + ", " + last + "]\n";
+  }
+  EXPECT_THAT(read(bomb), HasSubstr("no parameter a0"));
+}
+
 TEST(Preset, FailureChangesNothing) {
   StereoOptions options;
   EXPECT_THROW(readPreset(writePreset("P1: 2\nP2: 99\n"), options), Error);

@@ -9,13 +9,12 @@ namespace cbmv {
 /// Publishes what a rectified stereo camera does, in a namespace.
 class Cameras {
  public:
-  explicit Cameras(ros::NodeHandle nh = ros::NodeHandle()) {
-    left_image_ = nh.advertise<sensor_msgs::Image>("left/image_rect", 20);
-    left_info_ = nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 20);
-    right_image_ = nh.advertise<sensor_msgs::Image>("right/image_rect", 20);
-    right_info_ = nh.advertise<sensor_msgs::CameraInfo>("right/camera_info", 20);
-    color_ = nh.advertise<sensor_msgs::Image>("left/image_rect_color", 20);
-  }
+  explicit Cameras(ros::NodeHandle nh = ros::NodeHandle())
+      : left_image_(nh.advertise<sensor_msgs::Image>("left/image_rect", 20)),
+        left_info_(nh.advertise<sensor_msgs::CameraInfo>("left/camera_info", 20)),
+        right_image_(nh.advertise<sensor_msgs::Image>("right/image_rect", 20)),
+        right_info_(nh.advertise<sensor_msgs::CameraInfo>("right/camera_info", 20)),
+        color_(nh.advertise<sensor_msgs::Image>("left/image_rect_color", 20)) {}
 
   void publish(const PairMessages& messages) {
     publishInfos(messages);

@@ -359,6 +359,11 @@ TEST(Geometry, RefusesUnusableCameras) {
     messages.right_info->P[3] = tx;
     expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]", "swapped"});
   }
+  messages = goodMessages();  // finite numbers, infinite baseline
+  messages.right_info->P[0] = 1e-300;
+  messages.right_info->P[3] = -1e300;
+  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "reasonable size"});
+
   messages = goodMessages();
   messages.left_info->width = 640;
   messages.left_info->height = 480;

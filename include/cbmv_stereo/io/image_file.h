@@ -8,7 +8,8 @@ namespace cbmv {
 
 /// Reads an image as CV_8UC1. Colour becomes grey by OpenCV's weights (0.299 R + 0.587 G + 0.114 B)
 /// whatever the file format; 16-bit images are scaled to 8 bits.
-/// Throws Error naming the file when it is missing or not an image.
+/// Throws Error naming the file when it is missing or not an image, or when a PNG or JPEG claims to
+/// hold more than 2^27 pixels.
 cv::Mat readGreyImage(const std::string& path);
 
 /// Reads an image as CV_8UC3, BGR. Errors as for readGreyImage.

@@ -1,0 +1,59 @@
+// Forest files: ours and XGBoost's. What is read is evaluated, too.
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "fuzz_target.h"
+#include "io/bounded_json.h"
+#include "io/crc32_text.h"
+
+#include "cbmv_stereo/forest/forest_evaluator.h"
+#include "cbmv_stereo/forest/forest_file.h"
+
+namespace {
+
+constexpr int kHypotheses = 70;
+
+template <typename Value>
+void evaluate(const cbmv::ForestEvaluator& evaluator, Value largest) {
+  std::vector<Value> line(kHypotheses);
+  for (int i = 0; i < kHypotheses; ++i) {
+    line[i] = static_cast<Value>(largest * static_cast<float>(i) / kHypotheses);
+  }
+  std::array<const Value*, cbmv::kFeatureCount> lines{};
+  lines.fill(line.data());
+  std::vector<std::uint8_t> costs(kHypotheses);
+  evaluator.evaluate(lines, kHypotheses, costs.data());
+}
+
+/// With the right checksum, which no change of some bytes would hit; unchanged if there is no place
+/// for one.
+std::string withChecksum(const std::string& text) {
+  try {
+    auto json = cbmv::parseBounded<nlohmann::ordered_json>(text);
+    if (json.is_object() && json.contains("model")) {
+      json["checksum"] = cbmv::crc32Text(json["model"].dump());
+      return json.dump();
+    }
+  } catch (const std::exception&) {  // parseForest says what is wrong
+  }
+  return text;
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  cbmv::fuzz::attempt([&] { cbmv::parseForest(text, "input.forest"); });
+  return cbmv::fuzz::attempt([&] {
+    const cbmv::Forest forest = cbmv::parseForest(withChecksum(text), "input.forest");
+    const cbmv::ForestEvaluator evaluator(forest);
+    if (evaluator.wantsValues()) {
+      evaluate(evaluator, 1e30F);
+    } else {
+      evaluate(evaluator, std::uint8_t{255});
+    }
+    cbmv::forestChecksum(forest);
+  });
+}

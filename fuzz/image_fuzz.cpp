@@ -1,0 +1,13 @@
+// Images: PNG, JPEG and what else OpenCV reads, as grey, as colour and as disparities.
+
+#include "fuzz_target.h"
+#include "scratch_file.h"
+
+#include "cbmv_stereo/io/disparity_file.h"
+#include "cbmv_stereo/io/image_file.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const cbmv::fuzz::ScratchFile file(data, size);
+  cbmv::fuzz::attempt([&] { cbmv::readGreyImage(file.path()); });
+  return cbmv::fuzz::attempt([&] { cbmv::readDisparity(file.path(), 256.0); });
+}

@@ -1,0 +1,17 @@
+// Presets: YAML. What is read is made consistent, as the programs do.
+
+#include "fuzz_target.h"
+#include "scratch_file.h"
+
+#include "cbmv_stereo/pipeline/memory.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const cbmv::fuzz::ScratchFile file(data, size);
+  return cbmv::fuzz::attempt([&] {
+    cbmv::StereoOptions options;
+    cbmv::readPreset(file.path(), options);
+    cbmv::correctOptions(options);
+    cbmv::requiredMemoryMb({640, 480}, options);
+  });
+}

@@ -1,0 +1,76 @@
+#include "image_size.h"
+
+#include <algorithm>
+#include <array>
+
+namespace cbmv {
+namespace {
+
+/// The bytes of a file, which ends where it may.
+struct Bytes {
+  const std::uint8_t* data;
+  std::size_t size;
+
+  std::uint64_t bigEndian(std::size_t place, int count) const {
+    std::uint64_t value = 0;
+    for (int i = 0; i < count; ++i) {
+      value = value << 8 | data[place + i];
+    }
+    return value;
+  }
+};
+
+constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+
+/// The first chunk, IHDR, begins with width and height.
+std::uint64_t pngPixels(const Bytes& file) {
+  constexpr std::size_t width_place = 16;
+  return file.size < width_place + 8
+             ? 0
+             : file.bigEndian(width_place, 4) * file.bigEndian(width_place + 4, 4);
+}
+
+/// Frame headers: 0xC0 … 0xCF without the three that are tables and an extension.
+bool isFrameHeader(std::uint8_t marker) {
+  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+
+/// Markers 0x01 and 0xD0 … 0xD9 stand alone; the others have a length, which counts its own bytes.
+bool standsAlone(std::uint8_t marker) {
+  return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd9);
+}
+
+/// Of the largest frame header before the image's data.
+std::uint64_t jpegPixels(const Bytes& file) {
+  std::uint64_t pixels = 0;
+  std::size_t place = 2;
+  while (place + 4 <= file.size) {
+    const std::uint8_t marker = file.data[place + 1];
+    if (file.data[place] != 0xff || marker == 0xff || marker == 0x00) {
+      ++place;  // fill bytes, and what decoders skip
+      continue;
+    }
+    if (isFrameHeader(marker) && place + 9 <= file.size) {
+      pixels = std::max(pixels, file.bigEndian(place + 5, 2) * file.bigEndian(place + 7, 2));
+    }
+    if (marker == 0xda) {  // the data begin
+      break;
+    }
+    place += 2 + (standsAlone(marker) ? 0 : file.bigEndian(place + 2, 2));
+  }
+  return pixels;
+}
+
+}  // namespace
+
+std::uint64_t claimedPixels(const std::uint8_t* data, std::size_t size) {
+  const Bytes file{data, size};
+  if (size >= kPngSignature.size() &&
+      std::equal(kPngSignature.begin(), kPngSignature.end(), data)) {
+    return pngPixels(file);
+  }
+  const bool is_jpeg = size >= 2 && data[0] == 0xff && data[1] == 0xd8;
+  return is_jpeg ? jpegPixels(file) : 0;
+}
+
+}  // namespace cbmv
