@@ -18,7 +18,6 @@ constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kCachedChunks = 8;
 constexpr std::uint64_t kHeldBytes = 16 << 20;     // of the file while it is looked through
 constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
-constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
 constexpr std::uint32_t kLargestChunk = 1U << 30;  // bytes unpacked; rosbag makes them of 768 kB
 constexpr std::uint64_t kLargestLz4Ratio = 255;  // of the format: a byte stands for at most so many
 

@@ -36,7 +36,7 @@ std::string fileName(std::size_t frame, const ros::Time& stamp, const std::strin
 }
 
 /// A field as CSV has it.
-std::string quoted(const std::string& text) {
+std::string csvField(const std::string& text) {
   std::string field = "\"";
   for (const char c : text) {
     field += c == '"' ? "\"\"" : std::string(1, c);
@@ -107,7 +107,7 @@ std::string FrameFiles::subfolder(const FrameOutputs::FileKind& kind) const {
 RawMessage FrameFiles::write(std::size_t frame, const PreparedFrame& prepared,
                              const ProcessedFrame& processed) {
   const std_msgs::Header& header = prepared.loaded.messages.left_image->header;
-  std::string fields = quoted(header.frame_id);
+  std::string fields = csvField(header.frame_id);
   std::vector<std::string> unfinished_paths;
   std::vector<std::string> paths;
   for (const FrameOutputs::FileKind& kind : kinds_) {
@@ -128,7 +128,7 @@ RawMessage FrameFiles::write(std::size_t frame, const PreparedFrame& prepared,
 
 RawMessage FrameFiles::failed(std::size_t frame, const ros::Time& stamp,
                               const std::string& reason) const {
-  return line(kFailed, frame, stamp, std::string(kinds_.size() + 1, ',') + quoted(reason));
+  return line(kFailed, frame, stamp, std::string(kinds_.size() + 1, ',') + csvField(reason));
 }
 
 void FrameFiles::sync() {

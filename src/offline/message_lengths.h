@@ -7,6 +7,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <std_msgs/String.h>
 
 namespace cbmv {
 
@@ -15,6 +16,8 @@ namespace cbmv {
 class MessageWalker {
  public:
   MessageWalker(const std::uint8_t* data, std::uint64_t size) : data_(data), left_(size) {}
+
+  inline void walk(MessageWalker& walker, const std_msgs::String* /*type*/) { walker.skipArray(1); }
 
   /// Throws ros::serialization::StreamOverrunException if there are not as many bytes.
   void skip(std::uint64_t bytes) {
@@ -65,6 +68,8 @@ inline void walk(MessageWalker& walker, const sensor_msgs::CameraInfo* /*type*/)
   walker.skipArray(1);  // distortion_model
   walker.skipArray(8);  // D; what follows has a fixed size
 }
+
+inline void walk(MessageWalker& walker, const std_msgs::String* /*type*/) { walker.skipArray(1); }
 
 /// Throws ros::serialization::StreamOverrunException if a length in the message exceeds its bytes.
 template <typename Message>
