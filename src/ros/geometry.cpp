@@ -11,7 +11,9 @@
 namespace cbmv {
 namespace {
 
-constexpr double kLargestNumber = 1e9;  // px or m; any pair of them has a product that float holds
+/// In px or m: beyond, products and quotients of such numbers may not fit a float.
+constexpr double kLargest = 1e9;
+constexpr double kSmallest = 1e-9;
 
 /// The part of a projection matrix that is used, in pixels of the image as it is sent.
 struct Projection {
@@ -29,10 +31,6 @@ cv::Size describedSize(const sensor_msgs::CameraInfo& info) {
   const std::uint32_t height = whole ? info.height : info.roi.height;
   return toSize(width / std::max(1U, info.binning_x), height / std::max(1U, info.binning_y));
 }
-
-/// Beyond, products and quotients of such numbers may not fit a float.
-constexpr double kLargest = 1e9;
-constexpr double kSmallest = 1e-9;
 
 void checkInfo(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size image_size) {
   if (describedSize(info) != image_size) {
@@ -66,12 +64,12 @@ Projection toProjection(const sensor_msgs::CameraInfo& info) {
           (info.P[6] - info.roi.y_offset) / binning_y, info.P[3] / binning_x};
 }
 
-/// Numbers in P that are finite each can still give a focal length or baseline that is not.
+/// Entries of P that are of a reasonable size each can still give a baseline that is not.
 void checkGeometry(const StereoGeometry& geometry, const StereoTopics& topics) {
   for (const double number :
        {geometry.focal_length_px, geometry.baseline_m, geometry.disparity_offset_px,
         geometry.left_fx_px, geometry.left_fy_px, geometry.left_cx_px, geometry.left_cy_px}) {
-    if (!(std::abs(number) <= kLargestNumber)) {
+    if (!(std::abs(number) <= kLargest)) {
       throw InputError(InputFault::kUncalibrated,
                        topics.left_info + " and " + topics.right_info +
                            " have projection matrices with numbers of no reasonable size, which "

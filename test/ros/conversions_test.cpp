@@ -359,9 +359,9 @@ TEST(Geometry, RefusesUnusableCameras) {
     messages.right_info->P[3] = tx;
     expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]", "swapped"});
   }
-  messages = goodMessages();  // finite numbers, infinite baseline
-  messages.right_info->P[0] = 1e-300;
-  messages.right_info->P[3] = -1e300;
+  messages = goodMessages();  // each may be, their quotient may not
+  messages.right_info->P[0] = 1e-6;
+  messages.right_info->P[3] = -1e6;
   expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "reasonable size"});
 
   messages = goodMessages();
