@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 #if __has_include(<tbb/parallel_pipeline.h>)
 #include <tbb/parallel_pipeline.h>
 #else
@@ -141,24 +142,27 @@ class Steps {
 }  // namespace
 
 PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int threads) {
-  // The thread that waits for the pipeline does not help the matcher: one more than asked for.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads) + 1);
+                                  static_cast<std::size_t>(threads));
   const std::size_t frames_in_flight = static_cast<std::size_t>(std::min(threads, 8)) + 2;
   Steps steps(parts, first);
-  tbb::parallel_pipeline(
-      frames_in_flight,
-      tbb::make_filter<void, JobPtr>(Mode::serial_in_order, [&](tbb::flow_control& c) {
-        return steps.begin(c);
-      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
-        return steps.prepare(j);
-      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::serial_in_order, [&](const JobPtr& j) {
-        return steps.match(j);
-      }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
-        return steps.makeMessages(j);
-      }) & tbb::make_filter<JobPtr, void>(Mode::serial_in_order, [&](const JobPtr& j) {
-        steps.write(j);
-      }));
+  // The matcher works in this arena, too: between two, threads would go to and fro.
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_pipeline(
+        frames_in_flight,
+        tbb::make_filter<void, JobPtr>(Mode::serial_in_order, [&](tbb::flow_control& c) {
+          return steps.begin(c);
+        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+          return steps.prepare(j);
+        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::serial_in_order, [&](const JobPtr& j) {
+          return steps.match(j);
+        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+          return steps.makeMessages(j);
+        }) & tbb::make_filter<JobPtr, void>(Mode::serial_in_order, [&](const JobPtr& j) {
+          steps.write(j);
+        }));
+  });
   return steps.report();
 }
 

@@ -74,7 +74,11 @@ class StereoMatcher::Impl {
     requireMemory(left.size(), options_);
     result.times = {};
     result.rectification = {};
-    arena_->execute([&] { run(left, right, offset, result); });
+    if (tbb::this_task_arena::max_concurrency() == arena_->max_concurrency()) {
+      run(left, right, offset, result);  // as many threads are here already
+    } else {
+      arena_->execute([&] { run(left, right, offset, result); });
+    }
   }
 
  private:

@@ -28,6 +28,9 @@ class StereoMatcher {
   /// From the next frame on. Throws Error as the constructor does and then changes nothing.
   void setOptions(const StereoOptions& options);
 
+  /// All match functions work on options.threads threads of oneTBB: those of the task arena that they
+  /// are called in where it has as many, else those of an arena of the matcher's own.
+
   /// One pair by itself: the vertical offset is estimated from this pair (if switched on), removed,
   /// and the pair matched. Both images CV_8UC1 of the same size, not empty, and not so large that
   /// they need more memory than options.max_memory_mb; throws Error otherwise.
