@@ -62,8 +62,7 @@ std::vector<BagMessage> otherMessages(const BagSet& bags, const FramePlan& plan,
   std::vector<BagMessage> others;
   for (const BagMessage& message : bags.messages()) {
     const std::string& topic = message.connection().topic;
-    const bool in_part = message.entry->time >= plan.begin && message.entry->time <= plan.end;
-    if (in_part &&
+    if (plan.isInPart(message) &&
         std::find(output_topics.begin(), output_topics.end(), topic) == output_topics.end()) {
       others.push_back(message);
     }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "offline/pairing.h"
+#include "ros/stamps.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -67,14 +68,10 @@ void choosePart(const BagSet& bags, const PlanOptions& options, FramePlan& plan)
                                     : bags.messages().back().entry->time;
 }
 
-bool isInPart(const BagMessage& message, const FramePlan& plan) {
-  return message.entry->time >= plan.begin && message.entry->time <= plan.end;
-}
-
 Messages inPart(const Messages& messages, const FramePlan& plan) {
   Messages part;
   std::copy_if(messages.begin(), messages.end(), std::back_inserter(part),
-               [&](const auto& message) { return isInPart(message, plan); });
+               [&](const auto& message) { return plan.isInPart(message); });
   return part;
 }
 
@@ -93,9 +90,8 @@ double smallestGap(const Messages& left_alone, const Messages& right) {
   double gap_s = std::numeric_limits<double>::infinity();
   for (const BagMessage& left : left_alone) {
     if (!sorted.empty()) {
-      const std::int64_t gap_ns =
-          distanceNs(sorted[nearestStamp(sorted, left.entry->stamp)], left.entry->stamp);
-      gap_s = std::min(gap_s, static_cast<double>(gap_ns) * 1e-9);
+      const ros::Time& stamp = left.entry->stamp;
+      gap_s = std::min(gap_s, std::abs(secondsBetween(sorted[nearestStamp(sorted, stamp)], stamp)));
     }
   }
   return gap_s;
@@ -162,7 +158,7 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
         !isOfSameInterval(frame, plan.offset_frames.back(), options.offset_interval_s)) {
       plan.offset_frames.push_back(frame);
     }
-    if (!isInPart(left[l], plan) || plan.pairs++ % static_cast<std::size_t>(options.every) != 0) {
+    if (!plan.isInPart(left[l]) || plan.pairs++ % static_cast<std::size_t>(options.every) != 0) {
       continue;
     }
     frame.offset_frame = plan.offset_frames.size() - 1;

@@ -50,6 +50,10 @@ struct FramePlan {
   double smallest_gap_s = 0;              ///< least difference of left_alone to any right image
 
   std::size_t framesToProcess() const { return frames.size() - first; }
+  /// Whether the message was recorded in the part of the recording that is processed.
+  bool isInPart(const BagMessage& message) const {
+    return message.entry->time >= begin && message.entry->time <= end;
+  }
 };
 
 /// Pairs the images in the bags by their stamps. Images without camera_info of their stamp take the

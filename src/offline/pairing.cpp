@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "ros/stamps.h"
+
 namespace cbmv {
 namespace {
 
@@ -33,7 +35,7 @@ SortedStamps sortStamps(const std::vector<ros::Time>& stamps, std::vector<std::s
 }  // namespace
 
 std::int64_t distanceNs(const ros::Time& a, const ros::Time& b) {
-  return std::abs(static_cast<std::int64_t>(a.toNSec()) - static_cast<std::int64_t>(b.toNSec()));
+  return std::abs(nanosecondsBetween(a, b));
 }
 
 std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& stamp) {

@@ -23,8 +23,7 @@ struct StampPairs {
 StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
                       double max_difference_s);
 
-/// Time between two stamps in nanoseconds, however far they are apart: ros::Duration ends at 68
-/// years.
+/// Time between two stamps in nanoseconds, whichever is earlier.
 std::int64_t distanceNs(const ros::Time& a, const ros::Time& b);
 
 /// Index of the stamp nearest to `stamp`, the earlier one of two; `stamps` is sorted and not empty.

@@ -321,12 +321,7 @@ TEST_F(ConversionTest, ChoosesAmongCameras) {
 }
 
 TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
-  PairMessages bad = recordedFrame(2, {80, 64});
-  bad.right_image = recordedFrame(2).right_image;
-  writeRecording(input_, 2, [&](rosbag::Bag& bag) {
-    writeFrame(bag, bad);
-    writeFrame(bag, recordedFrame(3));
-  });
+  writeRecordingWithABadFrame(input_);
   const ConversionSummary summary = convert(options_);
   EXPECT_EQ(summary.failed, 1U);
   EXPECT_FALSE(summary.isComplete());

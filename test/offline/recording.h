@@ -49,6 +49,16 @@ inline std::string writeRecording(
   return path;
 }
 
+/// Four frames, the third of which has images of different size.
+inline std::string writeRecordingWithABadFrame(const std::string& path) {
+  PairMessages bad = recordedFrame(2, {80, 64});
+  bad.right_image = recordedFrame(2).right_image;
+  return writeRecording(path, 2, [&](rosbag::Bag& bag) {
+    writeFrame(bag, bad);
+    writeFrame(bag, recordedFrame(3));
+  });
+}
+
 inline std::shared_ptr<const Forest> fixtureForest() {
   return std::make_shared<const Forest>(makeForestFixture());
 }

@@ -230,12 +230,7 @@ TEST_F(ShardTest, ResumeRefusesPartsOfAnotherShard) {
 }
 
 TEST_F(ShardTest, FailedFramesAreCounted) {
-  PairMessages bad = recordedFrame(2, {80, 64});
-  bad.right_image = recordedFrame(2).right_image;
-  writeRecording(input_, 2, [&](rosbag::Bag& bag) {
-    writeFrame(bag, bad);
-    writeFrame(bag, recordedFrame(3));
-  });
+  writeRecordingWithABadFrame(input_);
   const BagContent whole = convertWhole();
   const MergeSummary summary = merge(convertShards(2));
   EXPECT_EQ(summary.failed, 1U);

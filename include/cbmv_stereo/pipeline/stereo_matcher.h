@@ -15,7 +15,9 @@ namespace cbmv {
 ///
 /// Holds the buffers of a frame, so one object serves one frame at a time; use one object per
 /// thread. Several can live side by side. Results depend on the images, options, forest and
-/// rectification model only, not on earlier frames nor on the number of threads.
+/// rectification model only, not on earlier frames nor on the number of threads. It works on
+/// options.threads threads of oneTBB: those of the task arena that it is called in where that has
+/// as many, else those of an arena of its own.
 class StereoMatcher {
  public:
   /// Throws Error if `options` are inconsistent (correctOptions mends them).
@@ -27,9 +29,6 @@ class StereoMatcher {
   const StereoOptions& options() const;
   /// From the next frame on. Throws Error as the constructor does and then changes nothing.
   void setOptions(const StereoOptions& options);
-
-  /// All match functions work on options.threads threads of oneTBB: those of the task arena that they
-  /// are called in where it has as many, else those of an arena of the matcher's own.
 
   /// One pair by itself: the vertical offset is estimated from this pair (if switched on), removed,
   /// and the pair matched. Both images CV_8UC1 of the same size, not empty, and not so large that
