@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <string_view>
 #include <tuple>
@@ -16,7 +17,8 @@ namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kCachedChunks = 8;
-constexpr std::uint64_t kHeldBytes = 16 << 20;     // of the file while it is looked through
+constexpr std::uint64_t kWindowBytes = 1 << 16;    // of the file while it is looked through
+constexpr std::uint32_t kLargestText = 64 << 20;   // bytes of a record's header, or of a connection
 constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
 constexpr std::uint32_t kLargestChunk = 1U << 30;  // bytes unpacked; rosbag makes them of 768 kB
 constexpr std::uint64_t kLargestLz4Ratio = 255;  // of the format: a byte stands for at most so many
@@ -38,9 +40,28 @@ ros::Time readTime(const std::uint8_t* bytes) {
   return std::max(clamped, ros::TIME_MIN);
 }
 
+using Fields = std::map<std::string, std::string>;
+
+/// Of a file, of which a window is held.
+BytesAt bytesOf(const InputFile& file) {
+  return [&file, window = std::vector<std::uint8_t>(), first = std::uint64_t{0}](
+             std::uint64_t offset, std::uint64_t size) mutable {
+    if (offset < first || offset + size > first + window.size()) {
+      window.resize(std::max(size, std::min(kWindowBytes, file.size() - offset)));
+      first = offset;
+      file.read(offset, window.data(), window.size());
+    }
+    return static_cast<const std::uint8_t*>(window.data() + (offset - first));
+  };
+}
+
+BytesAt bytesOf(const std::vector<std::uint8_t>& memory) {
+  return [&memory](std::uint64_t offset, std::uint64_t) { return memory.data() + offset; };
+}
+
 /// A record whose bytes are all there.
 struct Record {
-  std::map<std::string, std::string_view> fields;
+  Fields fields;
   std::uint64_t data_offset = 0;
   std::uint32_t data_size = 0;
   std::uint8_t op = 0;
@@ -48,56 +69,55 @@ struct Record {
   std::uint64_t end() const { return data_offset + data_size; }
 };
 
-bool readFields(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end,
-                std::map<std::string, std::string_view>& fields) {
-  while (begin < end) {
-    if (end - begin < 4) {
+bool readFields(const std::uint8_t* data, std::uint32_t data_size, Fields& fields) {
+  std::string_view rest(reinterpret_cast<const char*>(data), data_size);
+  while (!rest.empty()) {
+    if (rest.size() < 4) {
       return false;
     }
-    const auto size = readValue<std::uint32_t>(data + begin);
-    begin += 4;
-    if (size > end - begin) {
-      return false;
-    }
-    const std::string_view field(reinterpret_cast<const char*>(data + begin), size);
+    const auto size = readValue<std::uint32_t>(reinterpret_cast<const std::uint8_t*>(rest.data()));
+    rest.remove_prefix(4);
+    const std::string_view field = rest.substr(0, size);
     const std::size_t delimiter = field.find('=');
-    if (delimiter == std::string_view::npos) {
+    if (size > rest.size() || delimiter == std::string_view::npos) {
       return false;
     }
     fields[std::string(field.substr(0, delimiter))] = field.substr(delimiter + 1);
-    begin += size;
+    rest.remove_prefix(size);
   }
   return true;
 }
 
 /// False if there is no whole record between `begin` and `end`.
-bool readRecord(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end, Record& record) {
+bool readRecord(const BytesAt& bytes, std::uint64_t begin, std::uint64_t end, Record& record) {
   record.fields.clear();
   record.op = 0;
   if (begin > end || end - begin < 4) {
     return false;
   }
-  const auto header_size = readValue<std::uint32_t>(data + begin);
+  const auto header_size = readValue<std::uint32_t>(bytes(begin, 4));
   begin += 4;
-  if (end - begin < std::uint64_t{header_size} + 4 ||
-      !readFields(data, begin, begin + header_size, record.fields)) {
+  if (header_size > kLargestText || end - begin < std::uint64_t{header_size} + 4) {
     return false;
   }
-  begin += header_size;
-  record.data_size = readValue<std::uint32_t>(data + begin);
-  record.data_offset = begin + 4;
+  const std::uint8_t* header = bytes(begin, std::uint64_t{header_size} + 4);
+  record.data_size = readValue<std::uint32_t>(header + header_size);
+  record.data_offset = begin + header_size + 4;
+  if (!readFields(header, header_size, record.fields)) {
+    return false;
+  }
   const auto op = record.fields.find(rosbag::OP_FIELD_NAME);
   if (op == record.fields.end() || op->second.size() != 1) {
     return false;
   }
   record.op = static_cast<std::uint8_t>(op->second[0]);
-  return record.end() <= end;
+  return record.end() <= end &&
+         (record.op != rosbag::OP_CONNECTION || record.data_size <= kLargestText);
 }
 
-std::string textField(const std::map<std::string, std::string_view>& fields,
-                      const std::string& name) {
+std::string textField(const Fields& fields, const std::string& name) {
   const auto found = fields.find(name);
-  return found == fields.end() ? std::string() : std::string(found->second);
+  return found == fields.end() ? std::string() : found->second;
 }
 
 /// The number in a field; 0 where there is none.
@@ -109,15 +129,11 @@ std::uint32_t numberField(const Record& record, const std::string& name) {
                    reinterpret_cast<const std::uint8_t*>(found->second.data()));
 }
 
-std::shared_ptr<const BagConnection> readConnection(const std::uint8_t* data,
-                                                    const Record& record) {
-  std::map<std::string, std::string_view> fields;
-  readFields(data, record.data_offset, record.end(), fields);
+std::shared_ptr<const BagConnection> readConnection(const BytesAt& bytes, const Record& record) {
+  Fields fields;
+  readFields(bytes(record.data_offset, record.data_size), record.data_size, fields);
   auto connection = std::make_shared<BagConnection>();
-  connection->header = boost::make_shared<ros::M_string>();
-  for (const auto& [name, value] : fields) {
-    (*connection->header)[name] = std::string(value);
-  }
+  connection->header = boost::make_shared<ros::M_string>(fields);
   connection->topic = textField(record.fields, rosbag::TOPIC_FIELD_NAME);
   connection->type = textField(fields, "type");
   connection->md5 = textField(fields, "md5sum");
@@ -128,8 +144,9 @@ std::shared_ptr<const BagConnection> readConnection(const std::uint8_t* data,
 }  // namespace
 
 BagReader::BagReader(const std::string& path) : path_(path), file_(path) {
-  const std::string_view content(reinterpret_cast<const char*>(file_.data()), file_.size());
-  if (content.substr(0, kMagic.size()) != kMagic) {
+  std::string begin(std::min<std::uint64_t>(kMagic.size(), file_.size()), '\0');
+  file_.read(0, reinterpret_cast<std::uint8_t*>(begin.data()), begin.size());
+  if (begin != kMagic) {
     throw Error(path + " is no bag of version 2.0, which begins with '#ROSBAG V2.0'");
   }
   walkFile();
@@ -139,36 +156,35 @@ BagReader::BagReader(const std::string& path) : path_(path), file_(path) {
 }
 
 void BagReader::walkFile() {
+  const BytesAt bytes = bytesOf(file_);
   std::uint64_t begin = kMagic.size();
-  std::uint64_t released = 0;
   Record record;
   findings_.resize(1);
   bool indexed = false;
-  while (readRecord(file_.data(), begin, file_.size(), record)) {
+  while (readRecord(bytes, begin, file_.size(), record)) {
     if (record.op == rosbag::OP_FILE_HEADER) {
       if (!textField(record.fields, rosbag::ENCRYPTOR_FIELD_NAME).empty()) {
         throw Error(path_ + " is encrypted; `rosbag decompress` makes a bag that can be read");
       }
       indexed = numberField(record, rosbag::INDEX_POS_FIELD_NAME) != 0;
     } else if (record.op == rosbag::OP_CHUNK) {
-      openChunk({textField(record.fields, rosbag::COMPRESSION_FIELD_NAME), record.data_offset,
-                 record.data_size, numberField(record, rosbag::SIZE_FIELD_NAME)},
-                findings_[0]);
+      const std::string compression = textField(record.fields, rosbag::COMPRESSION_FIELD_NAME);
+      if (compression == rosbag::COMPRESSION_NONE) {
+        walkRecords(bytes, record.data_offset, record.end(), -1, findings_[0]);
+      } else {
+        chunks_.push_back({compression, record.data_offset, record.data_size,
+                           numberField(record, rosbag::SIZE_FIELD_NAME)});
+      }
     } else {
-      walkRecords(file_.data(), begin, record.end(), -1, findings_[0]);
+      walkRecords(bytes, begin, record.end(), -1, findings_[0]);
     }
     begin = record.end();
-    if (begin - released > kHeldBytes) {
-      file_.release(released, begin - released);
-      released = begin;
-    }
   }
-  file_.release(released, file_.size() - released);
   if (begin != file_.size()) {
     // A chunk that is cut off, if it is not compressed, has whole messages at its beginning.
     if (record.op == rosbag::OP_CHUNK &&
         textField(record.fields, rosbag::COMPRESSION_FIELD_NAME) == rosbag::COMPRESSION_NONE) {
-      walkRecords(file_.data(), record.data_offset, file_.size(), -1, findings_[0]);
+      walkRecords(bytes, record.data_offset, file_.size(), -1, findings_[0]);
     }
     addDamage("ends, or is unreadable, in the middle of a record at byte " + std::to_string(begin) +
               " of " + std::to_string(file_.size()));
@@ -177,30 +193,22 @@ void BagReader::walkFile() {
   }
 }
 
-void BagReader::openChunk(const Chunk& chunk, Findings& findings) {
-  if (chunk.compression == rosbag::COMPRESSION_NONE) {
-    walkRecords(file_.data(), chunk.offset, chunk.offset + chunk.packed_size, -1, findings);
-  } else {
-    chunks_.push_back(chunk);
-  }
-}
-
-void BagReader::walkRecords(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end,
-                            std::int32_t chunk, Findings& findings) const {
+void BagReader::walkRecords(const BytesAt& bytes, std::uint64_t begin, std::uint64_t end,
+                            std::int32_t chunk, Findings& findings) {
   Record record;
-  while (readRecord(data, begin, end, record)) {
+  while (readRecord(bytes, begin, end, record)) {
     const std::uint32_t connection = numberField(record, rosbag::CONNECTION_FIELD_NAME);
     if (record.op == rosbag::OP_CONNECTION) {
-      findings.connections[connection] = readConnection(data, record);
+      findings.connections[connection] = readConnection(bytes, record);
     } else if (record.op == rosbag::OP_MSG_DATA) {
       BagEntry entry;
       entry.time = entry.stamp = ros::TIME_MIN;
-      const std::string_view time = record.fields[rosbag::TIME_FIELD_NAME];
+      const std::string& time = record.fields[rosbag::TIME_FIELD_NAME];
       if (time.size() == 8) {
         entry.time = readTime(reinterpret_cast<const std::uint8_t*>(time.data()));
       }
       if (record.data_size >= kStampOffset + 8) {
-        entry.stamp = readTime(data + record.data_offset + kStampOffset);
+        entry.stamp = readTime(bytes(record.data_offset + kStampOffset, 8));
       }
       entry.connection = connection;
       entry.chunk = chunk;
@@ -220,8 +228,8 @@ void BagReader::walkCompressedChunks() {
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [this](std::size_t i) {
     Findings& findings = findings_[1 + i];
     try {
-      const Bytes bytes = unpack(chunks_[i]);
-      walkRecords(bytes->data(), 0, bytes->size(), static_cast<std::int32_t>(i), findings);
+      const Bytes unpacked = unpack(chunks_[i]);
+      walkRecords(bytesOf(*unpacked), 0, unpacked->size(), static_cast<std::int32_t>(i), findings);
     } catch (const Error&) {
       findings.damage = "has a chunk that cannot be unpacked";
     }
@@ -273,17 +281,16 @@ BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
     throw Error(path_ + " has a chunk of " + std::to_string(chunk.packed_size) +
                 " bytes that claims to unpack to " + std::to_string(chunk.size));
   }
+  std::vector<std::uint8_t> packed(chunk.packed_size);
+  file_.read(chunk.offset, packed.data(), packed.size());
   auto bytes = std::make_shared<std::vector<std::uint8_t>>(chunk.size);
   try {
     rosbag::ChunkedFile unpacker;
-    // It takes no constant bytes, but does not write to them.
     unpacker.decompress(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2, bytes->data(),
-                        chunk.size, const_cast<std::uint8_t*>(file_.data() + chunk.offset),
-                        chunk.packed_size);
+                        chunk.size, packed.data(), chunk.packed_size);
   } catch (const rosbag::BagException& error) {
     throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what());
   }
-  file_.release(chunk.offset, chunk.packed_size);
   return bytes;
 }
 
@@ -308,10 +315,9 @@ BagReader::Bytes BagReader::unpacked(std::int32_t chunk) const {
 RawMessage BagReader::read(const BagEntry& entry) const {
   const auto& connection = connections_[entry.connection];
   if (entry.chunk < 0) {
-    const std::shared_ptr<const void> pages(
-        file_.data() + entry.offset,
-        [this, entry](const void*) { file_.release(entry.offset, entry.size); });
-    return {connection, pages, file_.data() + entry.offset, entry.size};
+    const std::shared_ptr<std::uint8_t> bytes = newBytes(entry.size);
+    file_.read(entry.offset, bytes.get(), entry.size);
+    return {connection, bytes, bytes.get(), entry.size};
   }
   const Bytes bytes = unpacked(entry.chunk);
   return {connection, bytes, bytes->data() + entry.offset, entry.size};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -11,7 +12,7 @@
 
 #include <ros/time.h>
 
-#include "offline/mapped_file.h"
+#include "offline/input_file.h"
 #include "offline/raw_message.h"
 
 namespace cbmv {
@@ -25,6 +26,9 @@ struct BagEntry {
   std::uint64_t offset = 0;      ///< of the bytes: in the chunk once unpacked, or in the file
   std::uint32_t size = 0;        ///< bytes
 };
+
+/// Gives bytes that are there; they live until the next call.
+using BytesAt = std::function<const std::uint8_t*(std::uint64_t offset, std::uint64_t size)>;
 
 /// Reads a bag of version 2.0, http://wiki.ros.org/Bags/Format/2.0, from its records alone: it
 /// needs no index, so it reads what there is of bags that are still being recorded, or were cut
@@ -45,9 +49,8 @@ class BagReader {
   /// One sentence if not all of the bag could be read, or it lacks its index; else empty.
   const std::string& damage() const { return damage_; }
 
-  /// May be called by several threads at once. The bytes live as long as the reader and the
-  /// message; then they need no memory, however long the bag is. Throws Error if the chunk cannot
-  /// be unpacked.
+  /// May be called by several threads at once. The bytes live as long as the message. Throws Error
+  /// if the chunk cannot be unpacked, or the file has become shorter or cannot be read any more.
   RawMessage read(const BagEntry& entry) const;
 
  private:
@@ -68,9 +71,8 @@ class BagReader {
   };
 
   void walkFile();
-  void openChunk(const Chunk& chunk, Findings& findings);
-  void walkRecords(const std::uint8_t* data, std::uint64_t begin, std::uint64_t end,
-                   std::int32_t chunk, Findings& findings) const;
+  static void walkRecords(const BytesAt& bytes, std::uint64_t begin, std::uint64_t end,
+                          std::int32_t chunk, Findings& findings);
   void walkCompressedChunks();
   void collect(std::vector<Findings> findings);
   Bytes unpack(const Chunk& chunk) const;
@@ -78,7 +80,7 @@ class BagReader {
   void addDamage(const std::string& sentence);
 
   std::string path_;
-  MappedFile file_;
+  InputFile file_;
   std::vector<Chunk> chunks_;  ///< the compressed ones
   std::vector<std::shared_ptr<const BagConnection>> connections_;
   std::vector<BagEntry> entries_;

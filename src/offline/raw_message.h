@@ -32,13 +32,16 @@ struct RawMessage {
   std::uint32_t size = 0;
 };
 
+/// Not a vector, which would set all bytes to 0 first.
+inline std::shared_ptr<std::uint8_t> newBytes(std::uint32_t size) {
+  return {new std::uint8_t[size], std::default_delete<std::uint8_t[]>()};
+}
+
 template <typename Message>
 RawMessage toRawMessage(const Message& message, const std::string& topic) {
   namespace traits = ros::message_traits;
   const std::uint32_t size = ros::serialization::serializationLength(message);
-  // Not a vector, which would set all bytes to 0 first.
-  const std::shared_ptr<std::uint8_t> bytes(new std::uint8_t[size],
-                                            std::default_delete<std::uint8_t[]>());
+  const std::shared_ptr<std::uint8_t> bytes = newBytes(size);
   ros::serialization::OStream stream(bytes.get(), size);
   ros::serialization::serialize(stream, message);
   const BagConnection connection{topic, traits::datatype(message), traits::md5sum(message),

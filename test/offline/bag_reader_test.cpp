@@ -1,6 +1,7 @@
 #include "offline/bag_reader.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,6 +73,21 @@ TEST_P(BagReaderTest, ReadsTheBeginningOfTruncatedBags) {
   EXPECT_EQ(known, whole.size());
 }
 
+/// Another process writes the file anew, or a disk fails.
+TEST_P(BagReaderTest, NamesAFileThatBecomesShorter) {
+  const BagReader reader(path_);
+  std::filesystem::resize_file(path_, 8000);
+  std::size_t missing = 0;
+  for (const BagEntry& entry : reader.entries()) {
+    const std::string error = errorText([&] { reader.read(entry); });
+    if (error != "no error") {
+      ++missing;
+      EXPECT_THAT(error, testing::HasSubstr("in.bag has become shorter"));
+    }
+  }
+  EXPECT_GE(missing, 10U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Compression, BagReaderTest,
                          testing::Values(rosbag::compression::Uncompressed,
                                          rosbag::compression::LZ4, rosbag::compression::BZ2));
@@ -99,6 +115,9 @@ TEST(BagReader, RefusesWhatIsNoBag) {
   }
   EXPECT_THAT(errorText([&] { BagReader{folder.file("none.bag")}; }),
               testing::HasSubstr("none.bag: No such file"));
+  EXPECT_THAT(errorText([] { BagReader{"/dev/null"}; }),
+              testing::HasSubstr("/dev/null: it is no file"));
+  EXPECT_THAT(errorText([] { BagReader{"/"}; }), testing::HasSubstr("read /: it is no file"));
 }
 
 TEST(BagReader, NamesADamagedChunk) {
