@@ -58,6 +58,16 @@ void requireSize(const cv::Size& size, const cv::Size& described, const std::str
   }
 }
 
+/// image_geometry makes maps of the whole sensor, of which the image may be a small part.
+void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& topic) {
+  if (std::uint64_t{info.width} * info.height > kMaxImagePixels) {
+    throw InputError(InputFault::kCameraInfoSize,
+                     topic + " is raw, and its camera_info describes a sensor of " +
+                         std::to_string(info.width) + 'x' + std::to_string(info.height) + "; " +
+                         std::to_string(kMaxImagePixels) + " pixels at most would be right");
+  }
+}
+
 using CameraModel = image_geometry::PinholeCameraModel;
 
 /// With the maps of the rectification: from then on the model is only read.
@@ -78,6 +88,7 @@ std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& inf
                          " is raw, but its camera_info has no calibration, so it cannot be "
                          "rectified");
   }
+  requireSensor(info, topic);
   auto camera = std::make_shared<CameraModel>();
   try {
     camera->fromCameraInfo(info);

@@ -14,7 +14,8 @@
 namespace cbmv {
 
 /// A file that is read in pieces, by several threads at once. It is not mapped into memory: what
-/// another process cuts off, or a disk does not give, would end the program then, here it is an Error.
+/// another process cuts off, or a disk does not give, would end the program then, here it is an
+/// Error.
 class InputFile {
  public:
   /// Throws Error that names the file.

@@ -78,7 +78,15 @@ TEST(MakeCamera, RefusesUnusableCalibrations) {
   using Info = sensor_msgs::CameraInfo;
   EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }), HasSubstr("no calibration"));
   EXPECT_THAT(changed([](Info& info) { info.width = info.height = 4000000000U; }),
-              HasSubstr("/left has"));
+              HasSubstr("/left is raw, and its camera_info describes a sensor of 4000000000x"));
+  EXPECT_THAT(changed([](Info& info) { info.width += 1; }), HasSubstr("/left has"));
+  // The image is a window of 16x12 of a sensor whose maps would take gigabytes.
+  EXPECT_THAT(changed([](Info& info) {
+                info.roi.width = info.width;
+                info.roi.height = info.height;
+                info.width = info.height = 40000;
+              }),
+              HasSubstr("sensor of 40000x40000"));
   EXPECT_THAT(changed([](Info& info) { info.binning_x = 4000000000U; }), HasSubstr("/left"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = "fisheye of my own"; }),
               HasSubstr("/left is raw, but its camera_info cannot be used"));
