@@ -224,6 +224,7 @@ class Cluster(ScriptTest):
         nothing.mkdir()
         for tool in ("env", "python3"):
             (nothing / tool).symlink_to(f"/usr/bin/{tool}")
+        (nothing / "cbmv_bag").symlink_to(self.folder / "programs/cbmv_bag")
         self.refuses_to_submit(self.bag, self.output, says="sbatch is not on the PATH", path=nothing)
         self.refuses_to_submit(self.folder / "none.bag", self.output, says="there is no bag")
         self.refuses_to_submit(self.bag, self.folder, says="is a folder")
