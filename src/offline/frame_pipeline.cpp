@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <optional>
+#include <vector>
 
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -36,7 +36,6 @@ struct Job {
   std::vector<RawMessage> messages;
   std::string failure;
 };
-using JobPtr = std::shared_ptr<Job>;
 
 /// Does a step of a job unless an earlier one has failed.
 template <typename Step>
@@ -53,26 +52,26 @@ void attempt(Job& job, const Step& step) {
 /// The steps of the pipeline and what they count.
 class Steps {
  public:
-  Steps(const PipelineParts& parts, std::size_t first)
-      : parts_(parts), first_(first), next_(first) {}
+  Steps(const PipelineParts& parts, std::size_t first, std::size_t frames_in_flight)
+      : parts_(parts), first_(first), next_(first), jobs_(frames_in_flight) {}
 
-  JobPtr begin(tbb::flow_control& control) {
+  Job* begin(tbb::flow_control& control) {
     const std::vector<PlannedFrame>& frames = parts_.plan.frames;
     if (next_ >= frames.size() || (parts_.should_stop && parts_.should_stop())) {
       control.stop();
       return nullptr;
     }
-    auto job = std::make_shared<Job>();
-    job->planned = &frames[next_];
-    const std::size_t offset_frame = job->planned->offset_frame;
+    Job& job = jobs_[next_ % jobs_.size()];
+    job.planned = &frames[next_];
+    const std::size_t offset_frame = job.planned->offset_frame;
     if (next_ == first_ || offset_frame != frames[next_ - 1].offset_frame) {
-      job->offset_source = &parts_.plan.offset_frames[offset_frame];
+      job.offset_source = &parts_.plan.offset_frames[offset_frame];
     }
     ++next_;
-    return job;
+    return &job;
   }
 
-  JobPtr prepare(const JobPtr& job) const {
+  Job* prepare(Job* job) const {
     attempt(*job, [this](Job& j) { prepareJob(j); });
     if (job->offset_source != nullptr) {
       job->offset = estimateOffset(*job);
@@ -80,7 +79,7 @@ class Steps {
     return job;
   }
 
-  JobPtr match(const JobPtr& job) {
+  Job* match(Job* job) {
     if (job->offset_source != nullptr) {
       offset_ = job->offset;
     }
@@ -92,7 +91,7 @@ class Steps {
     return job;
   }
 
-  JobPtr makeMessages(const JobPtr& job) const {
+  Job* makeMessages(Job* job) const {
     attempt(*job,
             [this](Job& j) { j.messages = parts_.make(*j.planned, *j.prepared, *j.processed); });
     if (!job->failure.empty()) {
@@ -103,12 +102,13 @@ class Steps {
     return job;
   }
 
-  void write(const JobPtr& job) {
+  void write(Job* job) {
     if (!job->failure.empty()) {
       ++report_.failures[job->failure];
     }
     parts_.write(job->messages, job->planned->left.entry->time);
     ++report_.frames;
+    *job = {};
   }
 
   const PipelineReport& report() const { return report_; }
@@ -135,6 +135,9 @@ class Steps {
   const PipelineParts& parts_;
   const std::size_t first_;
   std::size_t next_;
+  /// Frames end in the order in which they begin, so a place is free again when its turn comes. Not
+  /// made by the pipeline, which drops what is on its way, with its memory, when a step throws.
+  std::vector<Job> jobs_;
   VerticalOffset offset_;  ///< of the frames that come to the matcher
   PipelineReport report_;
 };
@@ -145,23 +148,21 @@ PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int th
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   const std::size_t frames_in_flight = static_cast<std::size_t>(std::min(threads, 8)) + 2;
-  Steps steps(parts, first);
+  Steps steps(parts, first, frames_in_flight);
   // The matcher works in this arena, too: between two, threads would go to and fro.
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_pipeline(
         frames_in_flight,
-        tbb::make_filter<void, JobPtr>(Mode::serial_in_order, [&](tbb::flow_control& c) {
+        tbb::make_filter<void, Job*>(Mode::serial_in_order, [&](tbb::flow_control& c) {
           return steps.begin(c);
-        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+        }) & tbb::make_filter<Job*, Job*>(Mode::parallel, [&](Job* j) {
           return steps.prepare(j);
-        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::serial_in_order, [&](const JobPtr& j) {
+        }) & tbb::make_filter<Job*, Job*>(Mode::serial_in_order, [&](Job* j) {
           return steps.match(j);
-        }) & tbb::make_filter<JobPtr, JobPtr>(Mode::parallel, [&](const JobPtr& j) {
+        }) & tbb::make_filter<Job*, Job*>(Mode::parallel, [&](Job* j) {
           return steps.makeMessages(j);
-        }) & tbb::make_filter<JobPtr, void>(Mode::serial_in_order, [&](const JobPtr& j) {
-          steps.write(j);
-        }));
+        }) & tbb::make_filter<Job*, void>(Mode::serial_in_order, [&](Job* j) { steps.write(j); }));
   });
   return steps.report();
 }
