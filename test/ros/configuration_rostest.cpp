@@ -16,6 +16,7 @@
 #include "ros/local_nodelet.h"
 #include "ros/log_reader.h"
 #include "ros/parameter_server.h"
+#include "ros/rostest_main.h"
 #include "ros/wait_for.h"
 
 #include "cbmv_stereo/pipeline/parameters.h"
@@ -374,9 +375,4 @@ TEST(Shutdown, UnloadsWhileAFrameIsInWork) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "configuration_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

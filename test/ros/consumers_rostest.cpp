@@ -9,6 +9,7 @@
 
 #include "ros/cameras.h"
 #include "ros/collector.h"
+#include "ros/rostest_main.h"
 #include "ros/wait_for.h"
 
 namespace cbmv {
@@ -120,9 +121,4 @@ TEST_F(Consumers, AreComparedOnOneCamera) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "consumers_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

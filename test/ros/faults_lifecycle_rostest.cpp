@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "ros/fault_fixture.h"
+#include "ros/rostest_main.h"
 
 namespace cbmv {
 namespace {
@@ -194,9 +195,4 @@ TEST(Lifecycle, FramesThatFindNoAddressSpaceAreDropped) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "faults_lifecycle_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ros/fault_fixture.h"
+#include "ros/rostest_main.h"
 
 namespace cbmv {
 namespace {
@@ -164,9 +165,4 @@ TEST_F(ParameterFaults, DisparitiesOutsideOfTheImagesAreNamed) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "faults_parameters_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ros/fault_fixture.h"
+#include "ros/rostest_main.h"
 
 namespace cbmv {
 namespace {
@@ -251,9 +252,4 @@ TEST_F(MessageFaults, ImagesThatTheMachineHasNoMemoryFor) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "faults_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

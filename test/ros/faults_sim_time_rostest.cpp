@@ -6,6 +6,7 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include "ros/fault_fixture.h"
+#include "ros/rostest_main.h"
 
 namespace cbmv {
 namespace {
@@ -74,9 +75,4 @@ TEST_F(SimulatedTime, MayJumpBackAndFarAhead) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "faults_sim_time_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

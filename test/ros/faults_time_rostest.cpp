@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "ros/fault_fixture.h"
+#include "ros/rostest_main.h"
 
 namespace cbmv {
 namespace {
@@ -214,11 +215,9 @@ int sleepAsSubscriber() {
 }  // namespace cbmv
 
 int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "faults_time_rostest");
-  const ros::NodeHandle keeps_ros_alive;
   if (argc > 1 && std::string(argv[1]) == cbmv::kSleeper) {
+    ros::init(argc, argv, "sleeper");
     return cbmv::sleepAsSubscriber();
   }
-  return RUN_ALL_TESTS();
+  return cbmv::runRostest(argc, argv);
 }

@@ -10,6 +10,7 @@
 #include "ros/collector.h"
 #include "ros/local_nodelet.h"
 #include "ros/log_reader.h"
+#include "ros/rostest_main.h"
 #include "ros/wait_for.h"
 
 namespace cbmv {
@@ -233,9 +234,4 @@ TEST_F(CloudOfDisparity, LayoutAndLimitsAreTheParameters) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "point_cloud_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

@@ -8,6 +8,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "ros/collector.h"
+#include "ros/rostest_main.h"
 #include "ros/stereo_pair.h"
 #include "ros/wait_for.h"
 
@@ -230,9 +231,4 @@ TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "replacement_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }

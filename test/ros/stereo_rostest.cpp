@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "ros/forest_fixture.h"
+#include "ros/rostest_main.h"
 #include "ros/stereo_client.h"
 
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -595,9 +596,4 @@ TEST(LazySubscription, InputsAreSubscribedOnlyWhileAnOutputIs) {
 }  // namespace
 }  // namespace cbmv
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "stereo_rostest");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return cbmv::runRostest(argc, argv); }
