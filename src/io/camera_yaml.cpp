@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iomanip>
 #include <locale>
 #include <sstream>
@@ -15,13 +16,14 @@
 namespace cbmv {
 namespace {
 
+constexpr std::uintmax_t kLargestFile = 1 << 20;
 constexpr double kSame = 1e-3;  // px: what calibrations that were rounded may differ by
 
 /// The keys of one file, and what to say about those that are not as they should be.
 class CameraFile {
  public:
   explicit CameraFile(const std::string& path) : path_(path) {
-    std::ifstream in = openForReading(path);
+    std::ifstream in = openForReading(path, kLargestFile);
     try {
       root_ = YAML::Load(in);
     } catch (const YAML::Exception& error) {

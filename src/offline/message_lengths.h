@@ -17,8 +17,6 @@ class MessageWalker {
  public:
   MessageWalker(const std::uint8_t* data, std::uint64_t size) : data_(data), left_(size) {}
 
-  inline void walk(MessageWalker& walker, const std_msgs::String* /*type*/) { walker.skipArray(1); }
-
   /// Throws ros::serialization::StreamOverrunException if there are not as many bytes.
   void skip(std::uint64_t bytes) {
     if (bytes > left_) {

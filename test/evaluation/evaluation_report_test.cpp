@@ -164,6 +164,10 @@ TEST(EvaluationReport, NamesTheFileThatIsWrong) {
     const std::string path = folder.write("r.json", content);
     EXPECT_TRUE(mentions(errorText([&] { readJsonReport(path); }), {path, "not a report"}));
   }
+  const std::string deep = folder.write("r.json", std::string(65, '['));
+  EXPECT_TRUE(mentions(errorText([&] { readJsonReport(deep); }), {deep, "64 levels"}));
+  std::filesystem::resize_file(deep, (64 << 20) + 1);
+  EXPECT_TRUE(mentions(errorText([&] { readJsonReport(deep); }), {deep, "at most 67108864"}));
   const std::string absent = folder.file("no/r.json");
   EXPECT_TRUE(mentions(errorText([&] { readJsonReport(absent); }), {absent, "no such file"}));
   EXPECT_TRUE(mentions(errorText([&] { writeJsonReport({}, absent); }), {absent}));

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -134,6 +135,17 @@ TEST(ForestFile, RefusesHostileJson) {
     EXPECT_THAT(fault(replaced(good, "\"version\": 1", std::string("\"version\": ") + version)),
                 HasSubstr("whole number"));
   }
+  for (const char* seed : {"-1", "1.5", "1e300"}) {
+    EXPECT_THAT(fault(replaced(good, "\"seed\": 0", std::string("\"seed\": ") + seed)),
+                HasSubstr("seed that is no whole number"));
+  }
+}
+
+TEST(ForestFile, RefusesLargeFilesBeforeItReadsThem) {
+  writeAll(pathOf("large"), "{");
+  std::filesystem::resize_file(pathOf("large"), (64 << 20) + 1);
+  EXPECT_THAT(refusal(pathOf("large")), HasSubstr("at most 64 MiB"));
+  std::filesystem::remove(pathOf("large"));
 }
 
 TEST(ForestFile, RefusesToWriteWhatCannotBeRead) {
@@ -145,9 +157,19 @@ TEST(ForestFile, RefusesToWriteWhatCannotBeRead) {
   EXPECT_THROW(write_changed([](Forest& f) { f.trees.clear(); }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.trees[1].levels.clear(); }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.trees[1].leaves.pop_back(); }), Error);
+  EXPECT_THROW(write_changed([](Forest& f) {
+                 f.trees[1].levels.resize(Forest::kMaxDepth + 1);
+                 f.trees[1].leaves.resize(2 << Forest::kMaxDepth);
+               }),
+               Error);
+  EXPECT_THROW(write_changed([](Forest& f) { f.trees.resize(Forest::kMaxTrees + 1, f.trees[1]); }),
+               Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.trees[0].levels[0].feature = 20; }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.quantizer.maps[7].scale = 0; }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.bias = std::nan(""); }), Error);
+  for (const double unit : {0.0, 1e3, std::nan("")}) {
+    EXPECT_THROW(write_changed([unit](Forest& f) { f.leaf_unit = unit; }), Error);
+  }
   EXPECT_THROW(writeForest(makeForest(1, 1, 1), "/nowhere/at/all.forest"), Error);
 }
 
@@ -235,14 +257,38 @@ std::string refusalOfText(const std::string& text) {
   }
 }
 
-TEST(ForestFile, NamesUnknownKind) {
-  // The checksum is that of this model.
+/// The same of a model, with the checksum that it has.
+std::string refusalOfModel(const std::string& model) {
   const std::string text =
-      R"({"format": "cbmv_stereo forest", "version": 1, "checksum": "%",
-          "model": {"features": 20, "bias": 0, "kind": "dense", "trees": []}})";
+      R"({"format": "cbmv_stereo forest", "version": 1, "checksum": "%", "model": )" + model + "}";
   const std::string fault = refusalOfText(text);
-  const std::string actual = fault.substr(fault.size() - 8);
-  EXPECT_THAT(refusalOfText(replaced(text, "%", actual)), HasSubstr("kind \"dense\""));
+  return refusalOfText(replaced(text, "%", fault.substr(fault.size() - 8)));
+}
+
+TEST(ForestFile, NamesUnknownKind) {
+  EXPECT_THAT(refusalOfModel(R"({"features": 20, "bias": 0, "kind": "dense", "trees": []})"),
+              HasSubstr("kind \"dense\""));
+}
+
+/// What would be written beside the forest, or be cut to other numbers.
+TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
+  const auto refusal_of = [](int code_maps, const std::string& level, const std::string& leaf) {
+    std::string maps = "[1, 0]";
+    for (int i = 1; i < code_maps; ++i) {
+      maps += ", [1, 0]";
+    }
+    return refusalOfModel(R"({"features": 20, "bias": 0, "leaf_unit": 1, "code_maps": [)" + maps +
+                          R"(], "trees": [{"levels": [)" + level + R"(], "leaves": [0, )" + leaf +
+                          "]}]}");
+  };
+  EXPECT_THAT(refusal_of(20, "[19, 255]", "127"), HasSubstr("provenance"));  // all else is right
+  EXPECT_THAT(refusal_of(19, "[19, 255]", "127"), HasSubstr("19 code maps instead of 20"));
+  EXPECT_THAT(refusal_of(21, "[19, 255]", "127"), HasSubstr("21 code maps instead of 20"));
+  EXPECT_THAT(refusal_of(20, "[20, 255]", "127"), HasSubstr("feature is 20"));
+  EXPECT_THAT(refusal_of(20, "[-1, 255]", "127"), HasSubstr("feature is -1"));
+  EXPECT_THAT(refusal_of(20, "[19, 256]", "127"), HasSubstr("threshold is 256"));
+  EXPECT_THAT(refusal_of(20, "[19, 255]", "128"), HasSubstr("leaf is 128"));
+  EXPECT_THAT(refusal_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
 }
 
 /// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.
@@ -278,6 +324,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
       {"binary:logistic", "multi:softprob", "multi:softprob"},
       {"\"2.5E-1\"", "\"1\"", "base score"},
       {"\"2.5E-1\"", "\"x\"", "no valid JSON"},
+      {"\"2.5E-1\"", "\"" + std::string(65, '[') + "\"", "64 levels"},
       {"\"20\"", "\"4\"", "20 features"},
       {"\"feature_names\": []", "\"feature_names\": [\"f0\"]", "another order"},
       {"\"split_type\": [0", "\"split_type\": [1", "categories"},

@@ -1,5 +1,6 @@
 #include "cbmv_stereo/io/calibration.h"
 
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -71,6 +72,14 @@ TEST(Calibration, NamesFileAndKeyThatIsWrong) {
   EXPECT_TRUE(mentions(error("718", "7e18"), {"width must"}));
   EXPECT_TRUE(mentions(error("496", "0"), {"height must"}));
   EXPECT_TRUE(mentions(error("496", "4x"), {"height must"}));
+}
+
+TEST(Calibration, RefusesLargeFiles) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("calib.txt", kValid);
+  std::filesystem::resize_file(path, (1 << 20) + 1);
+  EXPECT_TRUE(
+      mentions(errorText([&] { readMiddleburyCalibration(path); }), {path, "at most 1048576"}));
 }
 
 TEST(Calibration, NamesTheFileThatCannotBeOpened) {

@@ -1,5 +1,6 @@
 #include "cbmv_stereo/io/camera_yaml.h"
 
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -88,6 +89,9 @@ TEST(CameraYaml, NamesFileAndKeyThatIsWrong) {
   EXPECT_TRUE(
       mentions(errorText([&] { readCameraYaml(folder.write("text", "words")); }), {"no calibrat"}));
   EXPECT_TRUE(mentions(errorText([&] { readCameraYaml(folder.file("none")); }), {"no such file"}));
+  const std::string large = folder.write("large", kLeft);
+  std::filesystem::resize_file(large, (1 << 20) + 1);
+  EXPECT_TRUE(mentions(errorText([&] { readCameraYaml(large); }), {"at most 1048576"}));
 }
 
 TEST(CameraYaml, PairsThatAreNoneAreRefused) {

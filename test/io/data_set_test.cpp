@@ -216,6 +216,13 @@ TEST_F(DataSetTest, ReadsAList) {
   EXPECT_EQ(b.calibration.disparities, 3);  // 0, 1, 2
 }
 
+TEST_F(DataSetTest, AListWithHugeTruthSearchesTheWholeImage) {
+  writePair("left.png", "right.png");
+  writePfm(place("truth.pfm"), cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(1e30)));
+  folder_.write("pairs.txt", "left.png right.png truth.pfm 1\n");
+  EXPECT_EQ(open("list", "pairs.txt").read("left").calibration.disparities, kWidth);
+}
+
 TEST_F(DataSetTest, NamesTheLineOfAListThatIsWrong) {
   const auto error = [&](const std::string& content) {
     folder_.write("pairs.txt", content);
@@ -230,6 +237,8 @@ TEST_F(DataSetTest, NamesTheLineOfAListThatIsWrong) {
   EXPECT_TRUE(mentions(error("a/l.png r d 1\na_l.jpg r d 1\n"), {where, "a_l", "line 1"}));
   EXPECT_TRUE(mentions(error("# empty\n"), {"pairs.txt", "has no scene"}));
   EXPECT_TRUE(mentions(errorText([&] { open("list", "absent.txt"); }), {"absent.txt", "no such"}));
+  fs::resize_file(folder_.file("pairs.txt"), (64 << 20) + 1);
+  EXPECT_TRUE(mentions(errorText([&] { open("list", "pairs.txt"); }), {"at most 67108864"}));
 }
 
 TEST_F(DataSetTest, NamesTheKindOrFolderThatIsWrong) {

@@ -1,12 +1,16 @@
 #include "cbmv_stereo/io/image_file.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "../src/io/image_size.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/temporary_folder.h"
@@ -57,22 +61,68 @@ TEST(ImageFile, ColorBecomesGreyByLumaWeights) {
   }
 }
 
+constexpr std::uint64_t kHugePixels = 65535ULL * 65535ULL;
+constexpr std::size_t kPngHeaderEnd = 24;
+const std::string kJpegFrame = "\xff\xc0";
+
+/// The bytes of a small image with the ending.
+std::string imageBytes(const std::string& ending) {
+  const TemporaryFolder folder;
+  writeImage(folder.file("small" + ending), randomImage(5, 7, CV_8UC1));
+  return contentOf(folder.file("small" + ending));
+}
+
 /// Some bytes that promise gigabytes.
+std::string hugePng() {
+  return imageBytes(".png").replace(16, 8, std::string("\0\0\xff\xff\0\0\xff\xff", 8));
+}
+
+std::string hugeJpeg() {
+  std::string jpeg = imageBytes(".jpg");
+  return jpeg.replace(jpeg.find(kJpegFrame) + 5, 4, "\xff\xff\xff\xff");
+}
+
+std::uint64_t claimedPixelsOf(const std::string& bytes, std::size_t size) {
+  return claimedPixels(reinterpret_cast<const std::uint8_t*>(bytes.data()), size);
+}
+
 TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
   const TemporaryFolder folder;
-  writeImage(folder.file("small.png"), randomImage(5, 7, CV_8UC1));
-  std::string png = contentOf(folder.file("small.png"));
-  png.replace(16, 8, std::string("\0\0\xff\xff\0\0\xff\xff", 8));
-  writeImage(folder.file("small.jpg"), randomImage(5, 7, CV_8UC1));
-  std::string jpeg = contentOf(folder.file("small.jpg"));
-  jpeg.replace(jpeg.find("\xff\xc0") + 5, 4, "\xff\xff\xff\xff");
-  for (const std::string& content : {png, jpeg}) {
+  for (const std::string& content : {hugePng(), hugeJpeg()}) {
     const std::string file = folder.write("huge", content);
     EXPECT_EQ(errorText([&] { readGreyImage(file); }),
               "Cannot read " + file +
                   ": it claims to hold 4294836225 pixels, images must have at " +
                   "most 134217728.");
   }
+  const std::string large = folder.write("large", "");
+  std::filesystem::resize_file(large, (1U << 30) + 1);
+  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(large); }), {"at most 1073741824"}));
+}
+
+/// OpenCV throws where its own limits are exceeded.
+TEST(ImageFile, RefusesHugeClaimsOfOtherFormats) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("huge.pgm", "P5\n65535 65535\n255\n");
+  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(file); }), {file, "not an image"}));
+}
+
+/// What lies behind the end of a file is none of its bytes.
+TEST(ClaimedPixels, AreOfHeadersThatAreWhole) {
+  for (const auto& [bytes, header_end] : {std::pair(hugePng(), kPngHeaderEnd),
+                                          std::pair(hugeJpeg(), hugeJpeg().find(kJpegFrame) + 9)}) {
+    EXPECT_EQ(claimedPixelsOf(bytes, header_end), kHugePixels);
+    for (std::size_t size = 0; size < header_end; ++size) {
+      EXPECT_EQ(claimedPixelsOf(bytes, size), 0U) << size;
+    }
+  }
+}
+
+/// A segment may hold anything, a picture of the picture for one.
+TEST(ClaimedPixels, AreNotOfWhatASegmentHolds) {
+  const std::string segment("\xff\xe1\0\x0b\xff\xc0\0\x0b\x08\xff\xff\xff\xff", 13);
+  const std::string jpeg = imageBytes(".jpg").insert(2, segment);
+  EXPECT_EQ(claimedPixelsOf(jpeg, jpeg.size()), 35U);
 }
 
 TEST(ImageFile, SixteenBitsAreScaledToEight) {

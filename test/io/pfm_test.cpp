@@ -87,6 +87,7 @@ TEST(Pfm, SaysWhatIsWrongWithTheFile) {
   EXPECT_TRUE(mentions(error("Pf\n3 2"), {"header"}));
   EXPECT_TRUE(mentions(error("Pf\n99999999999999999999 2\n-1\n"), {"header"}));
   EXPECT_TRUE(mentions(error("Pf\n65536 1\n-1\n" + values), {"65536x1", "1 to 65535"}));
+  EXPECT_TRUE(mentions(error("Pf\n1 65536\n-1\n" + values), {"1x65536", "1 to 65535"}));
   EXPECT_TRUE(mentions(error("Pf\n0 2\n-1\n" + values), {"0x2"}));
   EXPECT_TRUE(mentions(error("Pf\n-3 -2\n-1\n" + values), {"-3x-2"}));
   EXPECT_TRUE(mentions(error("Pf\n65535 65535\n-1\n" + values), {"has 42 bytes", "17179344918"}));

@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "recording.h"
 #include "support/error_text.h"
@@ -118,6 +120,9 @@ TEST(BagReader, RefusesWhatIsNoBag) {
   EXPECT_THAT(errorText([] { BagReader{"/dev/null"}; }),
               testing::HasSubstr("/dev/null: it is no file"));
   EXPECT_THAT(errorText([] { BagReader{"/"}; }), testing::HasSubstr("read /: it is no file"));
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody writes to it
+  EXPECT_THAT(errorText([&] { BagReader{pipe}; }), testing::HasSubstr("pipe: it is no file"));
 }
 
 TEST(BagReader, NamesADamagedChunk) {
@@ -147,6 +152,28 @@ TEST(BagReader, TakesNoMemoryForWhatAChunkClaims) {
   }
 }
 
+/// The most that this process has had so far.
+long peakMemoryMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+/// No more than a chunk may unpack to, but more than LZ4 can make of so few bytes.
+TEST(BagReader, TakesNoMemoryForWhatLz4CannotMean) {
+  const TemporaryFolder folder;
+  std::string bytes =
+      contentOf(writeRecording(folder.file("in.bag"), 5, nullptr, rosbag::compression::LZ4));
+  for (std::size_t place = 0; (place = bytes.find("size=", place)) != std::string::npos;) {
+    place += 5;
+    bytes.replace(place, 4, std::string("\0\0\0\x40", 4));
+  }
+  const std::string path = folder.write("hostile.bag", bytes);
+  const long before_mb = peakMemoryMb();
+  EXPECT_TRUE(BagReader(path).entries().empty());
+  EXPECT_LT(peakMemoryMb() - before_mb, 500);
+}
+
 /// rosbag takes no time before TIME_MIN, and ROS none behind TIME_MAX.
 TEST(BagReader, BringsTimesIntoTheRangeOfRos) {
   const TemporaryFolder folder;
@@ -158,6 +185,111 @@ TEST(BagReader, BringsTimesIntoTheRangeOfRos) {
   const BagReader reader(folder.write("hostile.bag", bytes));
   EXPECT_EQ(reader.entries().front().time, ros::TIME_MIN);
   EXPECT_EQ(reader.entries().back().time, ros::TIME_MAX);
+}
+
+std::string numberBytes(std::uint32_t number) {
+  return {reinterpret_cast<const char*>(&number), sizeof(number)};
+}
+
+/// The bytes after their number, as texts are in a bag.
+std::string sized(const std::string& bytes) {
+  return numberBytes(static_cast<std::uint32_t>(bytes.size())) + bytes;
+}
+
+/// A record with fields such as "op=x".
+std::string recordOf(const std::vector<std::string>& fields, const std::string& data) {
+  std::string header;
+  for (const std::string& field : fields) {
+    header += sized(field);
+  }
+  return sized(header) + sized(data);
+}
+
+const std::string kBagBegin = "#ROSBAG V2.0\n";
+const std::string kOpHeader = "op=\x03";
+const std::string kOpChunk = "op=\x05";
+const std::string kOpConnection = "op=\x07";
+const std::string kOpMessage = "op=\x02";
+const std::string kNumberZero = "conn=" + numberBytes(0);
+const std::string kConnection =
+    recordOf({kOpConnection, kNumberZero, "topic=/t"}, sized("type=std_msgs/String"));
+
+/// What a reader makes of a bag of these records.
+struct Outcome {
+  explicit Outcome(const std::string& records, std::uint64_t size = 0) {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("made.bag", kBagBegin + records);
+    if (size > 0) {
+      std::filesystem::resize_file(path, kBagBegin.size() + size);
+    }
+    const BagReader reader(path);
+    damage = reader.damage();
+    connections = reader.connections().size();
+    entries = reader.entries();
+  }
+  std::string damage;
+  std::size_t connections = 0;
+  std::vector<BagEntry> entries;
+};
+
+TEST(BagReader, ReadsMessagesWithoutTimeAndStamp) {
+  const Outcome outcome(kConnection + recordOf({kOpMessage, kNumberZero, "time=abc"}, "12"));
+  ASSERT_EQ(outcome.entries.size(), 1U);
+  EXPECT_EQ(outcome.entries[0].time, ros::TIME_MIN);
+  EXPECT_EQ(outcome.entries[0].stamp, ros::TIME_MIN);
+  EXPECT_EQ(outcome.entries[0].size, 2U);
+}
+
+/// A number of fewer bytes than it has is 0, not what happens to lie behind it.
+TEST(BagReader, TakesNumbersThatAreCutOffForZero) {
+  const Outcome outcome(recordOf({kOpConnection, "conn=\x05", "topic=/t"}, "") +
+                        recordOf({kOpMessage, kNumberZero}, ""));
+  EXPECT_EQ(outcome.entries.size(), 1U);
+}
+
+TEST(BagReader, LeavesOutMessagesWithoutConnection) {
+  const Outcome outcome(kConnection + recordOf({kOpMessage, "conn=" + numberBytes(1)}, "") +
+                        recordOf({kOpMessage, kNumberZero}, ""));
+  EXPECT_EQ(outcome.connections, 1U);
+  ASSERT_EQ(outcome.entries.size(), 1U);
+  EXPECT_EQ(outcome.entries[0].connection, 0U);
+}
+
+/// The length of a field that the header does not have.
+TEST(BagReader, ReadsNoFieldBehindItsHeader) {
+  const std::string op = sized(kOpConnection);
+  for (const std::string& rest :
+       {numberBytes(0xffffffff) + "a=b", numberBytes(4) + "a=b", std::string("abc")}) {
+    EXPECT_EQ(Outcome(sized(op + rest) + sized("")).connections, 0U) << rest;
+  }
+  EXPECT_EQ(Outcome(sized(op + sized("a=b")) + sized("")).connections, 1U);
+}
+
+/// The file is as long as they claim: what it does not hold on the disk is zero.
+TEST(BagReader, RefusesTextsOfMoreThan64MiB) {
+  constexpr std::uint32_t most = 64 << 20;
+  for (const std::uint32_t size : {most, most + 1}) {
+    const std::string op = sized(kOpConnection);
+    const auto rest = static_cast<std::uint32_t>(size - op.size() - 4);
+    const Outcome header(numberBytes(size) + op + numberBytes(rest) + "x=", 4 + size + 4);
+    EXPECT_EQ(header.connections, size > most ? 0U : 1U);
+    const std::string connection = sized(op);
+    const Outcome text(connection + numberBytes(size), connection.size() + 4 + size);
+    EXPECT_EQ(text.connections, size > most ? 0U : 1U);
+  }
+}
+
+TEST(BagReader, ReadsWholeMessagesOfAChunkThatIsCutOff) {
+  const std::string message = recordOf({kOpMessage, kNumberZero}, "12");
+  const std::string chunk =
+      recordOf({kOpChunk, "compression=none"}, kConnection + message + message);
+  EXPECT_EQ(Outcome(chunk).entries.size(), 2U);
+  EXPECT_EQ(Outcome(chunk.substr(0, chunk.size() - 1)).entries.size(), 1U);
+}
+
+TEST(BagReader, NamesEncryptedBags) {
+  const std::string begin = recordOf({kOpHeader, "encryptor=rosbag/AesCbcEncryptor"}, "");
+  EXPECT_THAT(errorText([&] { Outcome{begin}; }), testing::HasSubstr("is encrypted"));
 }
 
 }  // namespace

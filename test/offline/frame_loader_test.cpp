@@ -65,6 +65,9 @@ TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
   info.header.frame_id.clear();
   info.distortion_model.clear();
   expectOverrun(info, 4 + 8 + 4 + 8 + 4);
+  std_msgs::String text;
+  text.data = "labels";
+  expectOverrun(text, 0);
 }
 
 TEST(MakeCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(refusal(calibration()), "no error"); }

@@ -226,6 +226,24 @@ TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
 
+TEST(SemiGlobalMatching, ForgetsTheSurfaceOfTheFrameBefore) {
+  const Shape shape{20, 90, {0, 9}};
+  const EdgeImages images{makeGrey(shape.size(), Content::kPatches, 1),
+                          makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
+  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
+  const auto meanOf = [&](SemiGlobalMatcher& matcher, const cv::Mat& surface) {
+    OptimizedVolume mean;
+    matcher.match(costs, images, surface, View::kLeft, shape.range, {}, mean);
+    return mean;
+  };
+  SemiGlobalMatcher used;
+  meanOf(used, makeSurface(shape, Content::kPatches));
+  const OptimizedVolume found = meanOf(used, {});
+  SemiGlobalMatcher unused;
+  const OptimizedVolume expected = meanOf(unused, {});
+  expectVolume(found, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
+}
+
 void expectRejected(const SgmOptions& options) {
   const Shape shape{3, 4, {0, 2}};
   const cv::Mat grey = cv::Mat::zeros(shape.size(), CV_8UC1);

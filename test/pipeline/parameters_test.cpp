@@ -107,9 +107,11 @@ TEST(CorrectOptions, MendsAndSaysSo) {
 
 TEST(CorrectOptions, KeepsSumsInSixteenBits) {
   StereoOptions options;
+  options.sgm.p1 = 40;
   options.sgm.p2 = 60;
   options.sgm.iterations = 4;
   EXPECT_EQ(correctOptions(options).size(), 1U);
+  EXPECT_EQ(options.sgm.p1, 15.0F);
   EXPECT_EQ(options.sgm.p2, 15.0F);
   EXPECT_TRUE(correctOptions(options).empty());
 }

@@ -1,5 +1,6 @@
 #include "cbmv_stereo/rectification/tracker.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -190,14 +191,22 @@ TEST(RectificationTracker, ServesSeveralThreads) {
   EXPECT_EQ(wrong, 0);
 }
 
+/// Leaves the hard limit as it is, which few may raise again.
+void setAddressSpace(rlim_t most) {
+  rlimit limits{};
+  getrlimit(RLIMIT_AS, &limits);
+  limits.rlim_cur = std::min(most, limits.rlim_max);
+  if (setrlimit(RLIMIT_AS, &limits) != 0) {
+    std::_Exit(2);
+  }
+}
+
 /// Lets this process have `more_mb` of address space besides what it has.
 void limitAddressSpace(double more_mb) {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto more = static_cast<rlim_t>(more_mb * (1 << 20));
-  const rlim_t limit = pages * static_cast<rlim_t>(sysconf(_SC_PAGE_SIZE)) + more;
-  const rlimit limits{limit, RLIM_INFINITY};
-  setrlimit(RLIMIT_AS, &limits);
+  setAddressSpace(pages * static_cast<rlim_t>(sysconf(_SC_PAGE_SIZE)) + more);
 }
 
 /// Where there is no room for the stack of a thread, the stream goes on; estimates come later.
@@ -208,8 +217,7 @@ TEST(RectificationTrackerDeathTest, NeedsNoThreadToGoOn) {
     RectificationTracker tracker({});
     limitAddressSpace(2);
     const bool none = tracker.update(scene.left, scene.right, kRange, 0.0).matches == 0;
-    const rlimit unlimited{RLIM_INFINITY, RLIM_INFINITY};
-    setrlimit(RLIMIT_AS, &unlimited);
+    setAddressSpace(RLIM_INFINITY);
     const bool found = hasEstimate(updateUntil(tracker, scene, 1.0, hasEstimate));
     std::_Exit(none && found ? 0 : 1);
   };

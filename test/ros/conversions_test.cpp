@@ -373,7 +373,8 @@ TEST(Geometry, RefusesUnusableCameras) {
 /// Beyond some size, numbers are none of a camera, and what is computed of them does not fit a
 /// float.
 TEST(Geometry, RefusesNumbersOfNoCamera) {
-  for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity()}) {
+  for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::quiet_NaN()}) {
     for (const std::size_t entry : {0U, 2U, 3U, 5U, 6U, 11U}) {
       PairMessages messages = goodMessages();
       messages.right_info->P[entry] = value;
