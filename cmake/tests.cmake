@@ -32,6 +32,13 @@ foreach(test_source ${tool_test_sources})
   add_dependencies(${test_name} ${CBMV_TOOLS})
   target_compile_definitions(${test_name} PRIVATE CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>")
 endforeach()
+if(sanitizers STREQUAL "thread")
+  add_executable(race_probe_test EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/sanitizers/race_probe.cpp)
+  target_link_libraries(race_probe_test PRIVATE TBB::tbb)
+  set_target_properties(race_probe_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  add_test(NAME race_probe_test COMMAND race_probe_test)
+  set_tests_properties(race_probe_test PROPERTIES WILL_FAIL TRUE)
+endif()
 # What the Python scripts say of wrong arguments.
 add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
 
