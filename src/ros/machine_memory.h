@@ -1,28 +1,17 @@
 #pragma once
 
-#include <algorithm>
-#include <fstream>
+#include <filesystem>
 #include <istream>
-
-#include <unistd.h>
 
 namespace cbmv {
 
-/// Memory in MB (2^20 bytes) that a process can have at most on a machine with so many bytes:
-/// these, or what its control group (a container, say) allows if that is less. `group_limit` is
-/// what the system says of the group: a number of bytes, or "max", or nothing.
-inline double memoryMb(double machine_bytes, std::istream& group_limit) {
-  double group_bytes = machine_bytes;
-  group_limit >> group_bytes;  // what is no number becomes 0
-  return std::min(machine_bytes, group_bytes > 0 ? group_bytes : machine_bytes) / (1 << 20);
-}
+/// Bytes that the control groups of a process (a container, a service, a job) allow it, infinity
+/// where they allow all. `groups` is as /proc/self/cgroup, `mount` where the system shows the
+/// limits; of version 2 or 1, of the group itself and of all that it is in.
+double groupLimitBytes(std::istream& groups, const std::filesystem::path& mount);
 
-/// Of this process.
-inline double machineMemoryMb() {
-  std::ifstream group_limit("/sys/fs/cgroup/memory.max");
-  return memoryMb(
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE)),
-      group_limit);
-}
+/// Memory in MB (2^20 bytes) that this process can have at most: the machine's, or what its control
+/// groups allow if that is less.
+double machineMemoryMb();
 
 }  // namespace cbmv

@@ -2,14 +2,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "ros/forest_fixture.h"
-#include "ros/machine_memory.h"
 #include "ros/stereo_pair.h"
 #include "support/error_text.h"
 
@@ -84,19 +81,6 @@ TEST(OptionsFor, RefuseWhatTheMachineHasNoMemoryFor) {
     EXPECT_EQ(error.fault(), InputFault::kMemory);
     EXPECT_TRUE(mentions(error.what(), {"/left: 2000000 x 2000000 px need ", "the machine has "}));
   }
-}
-
-TEST(MemoryMb, IsTheMachinesOrWhatItsControlGroupAllows) {
-  const auto limited = [](const std::string& group) {
-    std::istringstream limit(group);
-    return memoryMb(8.0 * (1 << 30), limit);
-  };
-  EXPECT_EQ(limited("1073741824\n"), 1024);
-  for (const char* none : {"max\n", "", "9223372036854771712\n"}) {
-    EXPECT_EQ(limited(none), 8 * 1024) << none;
-  }
-  std::ifstream no_file("/nonexistent/memory.max");
-  EXPECT_EQ(memoryMb(8.0 * (1 << 30), no_file), 8 * 1024);
 }
 
 TEST_F(Processor, LooksAtTheMemoryAnewWhenTheSizeChanges) {
