@@ -25,11 +25,13 @@ std::size_t foldOf(const std::string& scene) {
 
 std::vector<std::string> orderByFold(const std::vector<std::string>& scenes) {
   std::vector<std::pair<std::size_t, std::string>> folded;
+  folded.reserve(scenes.size());
   for (const std::string& scene : scenes) {
     folded.emplace_back(foldOf(scene), scene);
   }
   std::sort(folded.begin(), folded.end());
   std::vector<std::string> ordered;
+  ordered.reserve(folded.size());
   for (const auto& entry : folded) {
     ordered.push_back(entry.second);
   }

@@ -119,7 +119,7 @@ std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const st
 PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
                           const ConversionSummary& summary) {
   try {
-    const PipelineReport report =
+    PipelineReport report =
         runPipeline(parts, summary.plan.first + summary.resumed, summary.threads);
     segments.closePart();
     return report;

@@ -93,7 +93,7 @@ FrameOutputs::FrameOutputs(const std::vector<std::string>& wanted, const CameraT
     if (found == names.end()) {
       std::string list;
       for (const std::string& known : names) {
-        list += known + ", ";
+        list.append(known).append(", ");
       }
       throw Error("there is no output '" + name + "'; there are " + list + "cloud (points2)");
     }

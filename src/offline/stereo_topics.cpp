@@ -90,7 +90,7 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
     return {choice.left, choice.right};
   }
   if (!choice.camera_namespace.empty()) {
-    const auto images = imagesIn(bags, withoutSlash(choice.camera_namespace));
+    auto images = imagesIn(bags, withoutSlash(choice.camera_namespace));
     if (images.first.empty()) {
       throw noTopics(bags, "no stereo pair below " + withoutSlash(choice.camera_namespace));
     }
@@ -113,7 +113,7 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
 }
 
 std::string findInfo(const BagSet& bags, const ImageTopic& image) {
-  const std::string topic = cameraOf(image) + "/camera_info";
+  std::string topic = cameraOf(image) + "/camera_info";
   if (bags.typeOf(topic) != "sensor_msgs/CameraInfo") {
     throw noTopics(bags, "no calibration for " + image.name + ": " + topic + " is missing");
   }

@@ -40,14 +40,15 @@ using PathVector = hn::Vec<PathTag>;
 /// What becomes of the costs of a path in the sums.
 enum class Accumulation { kSet, kAdd, kAddAndAverage };
 
+/// Of the first `count` lanes.
 template <Accumulation accumulation>
-HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, const std::uint16_t* sums) {
+HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, const std::uint16_t* sums, int count) {
   const SumTag tag;
   const auto unsigned_costs = hn::BitCast(tag, costs);
   if constexpr (accumulation == Accumulation::kSet) {
     return unsigned_costs;
   } else {
-    const auto sum = hn::Add(hn::LoadU(tag, sums), unsigned_costs);
+    const auto sum = hn::Add(loadFirst(tag, sums, count), unsigned_costs);
     return accumulation == Accumulation::kAdd ? sum
                                               : hn::ShiftRight<2>(hn::Add(sum, hn::Set(tag, 2)));
   }
@@ -88,14 +89,15 @@ HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalt
     const auto cost = pathCosts(costs + h, previous + h, lowest_previous, p1 + h, p2 + h);
     lowest = hn::Min(lowest, cost);
     hn::Store(cost, tag, current + h);
-    hn::StoreU(accumulate<accumulation>(cost, sums + h), SumTag(), sums + h);
+    hn::StoreU(accumulate<accumulation>(cost, sums + h, lanes), SumTag(), sums + h);
   }
   if (h < disparities) {
     const auto some = pathCosts(costs + h, previous + h, lowest_previous, p1 + h, p2 + h);
     const auto cost = hn::IfThenElse(hn::FirstN(tag, disparities - h), some, hn::Set(tag, kGuard));
     lowest = hn::Min(lowest, cost);
     hn::Store(cost, tag, current + h);
-    storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h), disparities - h, sums + h);
+    const int rest = disparities - h;
+    storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h, rest), rest, sums + h);
   }
   return hn::MinOfLanes(tag, lowest);
 }

@@ -35,6 +35,22 @@ HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
   }
 }
 
+/// Lanes of which only the first `count` are looked at. Those behind them are read, too, where that
+/// is cheapest; another thread may be writing them, which does no harm, but ThreadSanitizer names
+/// it.
+template <class D>
+HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> loadFirst(D tag, const hwy::HWY_NAMESPACE::TFromD<D>* values,
+                                                [[maybe_unused]] int count) {
+  namespace hn = hwy::HWY_NAMESPACE;
+#ifdef __SANITIZE_THREAD__
+  HWY_ALIGN hn::TFromD<D> lanes[64 / sizeof(hn::TFromD<D>)] = {};
+  hn::SafeCopyN(count, tag, values, lanes);
+  return hn::Load(tag, lanes);
+#else
+  return hn::LoadU(tag, values);
+#endif
+}
+
 /// Stores the first `count` lanes, all if there are fewer, none if it is not positive, and leaves
 /// the memory behind alone: it may belong to another thread. Of vectors up to a cache line.
 template <class D>
