@@ -40,6 +40,7 @@ std::vector<ErrorSum> parseObjectives(const std::vector<std::string>& names,
                 std::to_string(data_sets) + " data sets; it must be one for all, or one for each");
   }
   std::vector<ErrorSum> objectives;
+  objectives.reserve(data_sets);
   for (const std::string& name : names) {
     objectives.push_back(parseErrorSum(name));
   }

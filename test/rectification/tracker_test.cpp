@@ -26,12 +26,12 @@ RenderedScene sceneWithOffset(double offset, int width = 251) {
   return renderScene(width, 187, 1, options);
 }
 
-/// Feeds one pair at one time until `is_done(model)`; gives up after some seconds.
+/// Feeds one pair at one time until `is_done(model)`; gives up after a minute.
 template <typename IsDone>
 VerticalOffset updateUntil(RectificationTracker& tracker, const RenderedScene& scene, double now_s,
                            IsDone is_done) {
   VerticalOffset model;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 20000; ++i) {
     model = tracker.update(scene.left, scene.right, kRange, now_s);
     if (is_done(model)) {
       return model;
