@@ -281,13 +281,13 @@ BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
     throw Error(path_ + " has a chunk of " + std::to_string(chunk.packed_size) +
                 " bytes that claims to unpack to " + std::to_string(chunk.size));
   }
-  std::vector<std::uint8_t> packed(chunk.packed_size);
-  file_.read(chunk.offset, packed.data(), packed.size());
+  const std::shared_ptr<std::uint8_t> packed = newBytes(chunk.packed_size);
+  file_.read(chunk.offset, packed.get(), chunk.packed_size);
   auto bytes = std::make_shared<std::vector<std::uint8_t>>(chunk.size);
   try {
     rosbag::ChunkedFile unpacker;
     unpacker.decompress(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2, bytes->data(),
-                        chunk.size, packed.data(), chunk.packed_size);
+                        chunk.size, packed.get(), chunk.packed_size);
   } catch (const rosbag::BagException& error) {
     throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what());
   }
