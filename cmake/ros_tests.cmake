@@ -77,10 +77,11 @@ foreach(test_name ${CBMV_ROSTESTS})
 endforeach()
 add_dependencies(tests forest_fixture cbmv_stereo_node)
 list(TRANSFORM CBMV_ROSTESTS APPEND _rostest)
+add_custom_target(rostests DEPENDS ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
 foreach(name ${launch_files})
   set(launch_file ${PROJECT_BINARY_DIR}/test/${name}.test)
   configure_file(${PROJECT_SOURCE_DIR}/test/ros/${name}.test.in ${launch_file} @ONLY)
-  add_rostest(${launch_file} DEPENDENCIES ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
+  add_rostest(${launch_file} DEPENDENCIES rostests)
 endforeach()
 
 # Shards on a cluster; skipped unless CBMV_TEST_CLUSTER=1.

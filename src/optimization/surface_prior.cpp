@@ -136,15 +136,15 @@ void SurfacePrior::fitPlanes(float lowest_inlier_share) {
 }
 
 bool SurfacePrior::surfaceAt(float x, float y, float& disparity) const {
-  const auto cellOf = [](float position, int cells, int& first, int& second) {
+  const auto cell_of = [](float position, int cells, int& first, int& second) {
     const float cell = std::clamp((position - 0.5F * (kCell - 1)) / kCell, 0.0F, cells - 1.0F);
     first = static_cast<int>(cell);
     second = std::min(first + 1, cells - 1);
     return cell - first;
   };
   int left = 0, right = 0, upper = 0, lower = 0;
-  const float u = cellOf(x, grid_.width, left, right);
-  const float v = cellOf(y, grid_.height, upper, lower);
+  const float u = cell_of(x, grid_.width, left, right);
+  const float v = cell_of(y, grid_.height, upper, lower);
   const auto value = [&](int row, int column, bool& known) {
     const Plane& plane = planes_[static_cast<std::size_t>(row) * grid_.width + column];
     known = known && plane.known;

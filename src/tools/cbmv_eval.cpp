@@ -287,6 +287,7 @@ void addOutputOptions(CLI::App& app, Arguments& arguments) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{"Measures disparity errors on rectified stereo pairs with ground truth"};
   Arguments arguments;

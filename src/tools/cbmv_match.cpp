@@ -97,6 +97,7 @@ void match(const Arguments& arguments) {
 }  // namespace
 }  // namespace cbmv
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{
       "Matches a rectified pair: disparity and confidence as PFM and as colour PNG; with a "

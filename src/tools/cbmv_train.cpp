@@ -16,6 +16,7 @@
 #include "cbmv_stereo/training/held_out_measures.h"
 #include "cbmv_stereo/training/sample_file.h"
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{"Trains a forest on rectified stereo pairs with ground truth"};
   std::vector<std::string> data_sets;

@@ -31,6 +31,7 @@ struct Arguments {
 std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
     const std::vector<std::string>& paths) {
   std::vector<std::shared_ptr<const cbmv::Forest>> forests;
+  forests.reserve(paths.size());
   for (const std::string& path : paths) {
     forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(path)));
   }
@@ -109,6 +110,7 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{
       "Searches the parameters of optimization and refinement on rectified stereo pairs with "

@@ -23,6 +23,7 @@ inline void addDataSetOption(CLI::App& app, std::vector<std::string>& data_sets)
 
 inline std::vector<DataSet> openDataSets(const std::vector<std::string>& names) {
   std::vector<DataSet> data_sets;
+  data_sets.reserve(names.size());
   for (const std::string& name : names) {
     data_sets.push_back(DataSet::open(name));
   }

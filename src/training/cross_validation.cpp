@@ -80,6 +80,7 @@ std::vector<std::shared_ptr<const Forest>> trainFolds(const std::vector<SceneRef
         "the folds are those of Middlebury v3; a data set of the kind middlebury_v3 is missing");
   }
   std::vector<std::shared_ptr<const Forest>> forests;
+  forests.reserve(folds.size());
   for (const std::size_t fold : folds) {
     forests.push_back(
         std::make_shared<Forest>(trainWithoutFold(fold, ofMiddlebury(pool), training, report)));

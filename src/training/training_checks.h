@@ -43,9 +43,9 @@ inline void requireBothClasses(const Samples& samples) {
 /// The parts of each in their sum.
 inline std::vector<double> shares(const std::array<double, kFeatureCount>& amounts) {
   const double sum = std::accumulate(amounts.begin(), amounts.end(), 0.0);
-  std::vector<double> parts;
-  for (const double amount : amounts) {
-    parts.push_back(sum > 0 ? amount / sum : 0);
+  std::vector<double> parts(amounts.begin(), amounts.end());
+  for (double& part : parts) {
+    part = sum > 0 ? part / sum : 0;
   }
   return parts;
 }

@@ -179,9 +179,9 @@ TEST(Quantize, IsFloorOfLinearMapCutToBytes) {
   const std::vector<int> expected = {0, 0, 3, 3, 4, 123, 255, 255};
   onEverySimdTarget([&] {
     for (const int count : {1, 3, 8, 16, 17, 100}) {
-      std::vector<float> repeated;
+      std::vector<float> repeated(count);
       for (int i = 0; i < count; ++i) {
-        repeated.push_back(values[i % values.size()]);
+        repeated[i] = values[i % values.size()];
       }
       std::vector<std::uint8_t> codes(count + 1, 42);
       quantize({2.0F, 3.0F}, repeated.data(), count, codes.data());

@@ -82,7 +82,7 @@ TEST(FileSource, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
   const StereoScene scene = makeScene(2);
   const auto error = [&](const std::string& file) {
-    const std::string text = errorText([&] { fileSource(folder.file(""))(scene); });
+    std::string text = errorText([&] { fileSource(folder.file(""))(scene); });
     EXPECT_TRUE(mentions(text, {file}));
     return text;
   };

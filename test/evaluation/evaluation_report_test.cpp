@@ -158,9 +158,9 @@ TEST(EvaluationReport, IsWrittenThroughLinksAndIntoPipes) {
 
 TEST(EvaluationReport, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
-  for (const char* content : {"", "{", "[]", "{\"forest\": 3}",
-                              "{\"forest\": null, \"preset\": null, \"fingerprint\": null, "
-                              "\"scenes\": [{\"scene\": \"A\"}]}"}) {
+  const char* const half_a_scene = R"({"forest": null, "preset": null, "fingerprint": null,
+                                       "scenes": [{"scene": "A"}]})";
+  for (const char* content : {"", "{", "[]", R"({"forest": 3})", half_a_scene}) {
     const std::string path = folder.write("r.json", content);
     EXPECT_TRUE(mentions(errorText([&] { readJsonReport(path); }), {path, "not a report"}));
   }

@@ -31,9 +31,9 @@ void expectTreeWalk(const Forest& forest, const CodeColumns& columns) {
     codes[f] = columns[f].data();
   }
   const int count = static_cast<int>(columns[0].size());
-  std::vector<std::uint8_t> expected;
+  std::vector<std::uint8_t> expected(count);
   for (int i = 0; i < count; ++i) {
-    expected.push_back(naiveForestCost(forest, [&](int f) { return columns[f][i]; }));
+    expected[i] = naiveForestCost(forest, [&](int f) { return columns[f][i]; });
   }
   onEverySimdTarget([&] {
     std::vector<std::uint8_t> costs(count + 1, 42);

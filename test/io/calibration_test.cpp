@@ -54,7 +54,7 @@ TEST(Calibration, NamesFileAndKeyThatIsWrong) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& from, const std::string& to) {
     const std::string path = folder.write("calib.txt", replaced(kValid, from, to));
-    const std::string text = errorText([&] { readMiddleburyCalibration(path); });
+    std::string text = errorText([&] { readMiddleburyCalibration(path); });
     EXPECT_TRUE(mentions(text, {path}));
     return text;
   };

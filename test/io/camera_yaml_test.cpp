@@ -77,7 +77,7 @@ TEST(CameraYaml, NamesFileAndKeyThatIsWrong) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& from, const std::string& to) {
     const std::string path = folder.write("camera.yaml", replaced(kLeft, from, to));
-    const std::string text = errorText([&] { readCameraYaml(path); });
+    std::string text = errorText([&] { readCameraYaml(path); });
     EXPECT_TRUE(mentions(text, {path}));
     return text;
   };
@@ -99,7 +99,7 @@ TEST(CameraYaml, PairsThatAreNoneAreRefused) {
   const std::string left = folder.write("left.yaml", kLeft);
   const auto error = [&](const std::string& from, const std::string& to) {
     const std::string right = folder.write("right.yaml", replaced(kRight, from, to));
-    const std::string text = errorText([&] { readCameraYamlPair(left, right); });
+    std::string text = errorText([&] { readCameraYamlPair(left, right); });
     EXPECT_TRUE(mentions(text, {right}));
     return text;
   };

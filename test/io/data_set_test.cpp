@@ -71,7 +71,7 @@ class DataSetTest : public testing::Test {
   /// The sentence with which reading `scene` fails; it must name `file`.
   std::string readError(const DataSet& data_set, const std::string& scene,
                         const std::string& file) const {
-    const std::string text = errorText([&] { data_set.read(scene); });
+    std::string text = errorText([&] { data_set.read(scene); });
     EXPECT_TRUE(mentions(text, {folder_.file(file)}));
     return text;
   }

@@ -54,7 +54,7 @@ TEST(DisparityFile, KittiHas256LevelsAPixelAndZeroForNone) {
 TEST(DisparityFile, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& path) {
-    const std::string text = errorText([&] { readDisparity(path, 1.0); });
+    std::string text = errorText([&] { readDisparity(path, 1.0); });
     EXPECT_TRUE(mentions(text, {path}));
     return text;
   };

@@ -75,7 +75,7 @@ TEST_F(MiddleburyScene, NamesTheMissingFile) {
 
 TEST_F(MiddleburyScene, NamesBothFilesWhoseSizesDisagree) {
   const auto error = [&](const std::string& name) {
-    const std::string text = errorText([&] { readMiddleburyScene(scene_); });
+    std::string text = errorText([&] { readMiddleburyScene(scene_); });
     EXPECT_TRUE(mentions(text, {scene_ + "/" + name, "4x2", "4x3"}));
     return text;
   };

@@ -74,7 +74,7 @@ TEST(Pfm, SaysWhatIsWrongWithTheFile) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& content) {
     const std::string path = folder.write("bad.pfm", content);
-    const std::string text = errorText([&] { readPfm(path); });
+    std::string text = errorText([&] { readPfm(path); });
     EXPECT_TRUE(mentions(text, {path}));
     return text;
   };

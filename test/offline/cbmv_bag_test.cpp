@@ -1,5 +1,6 @@
 // The program cbmv_bag: kills, exit status and what it says.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +40,7 @@ class CbmvBagTest : public testing::Test {
             "--disparities",
             "16",
             "--preset",
-            CBMV_SOURCE_DIR "/config/realtime.yaml"};
+            std::string(CBMV_SOURCE_DIR) + "/config/realtime.yaml"};
   }
   Outcome run(const std::string& output, const std::string& more = "",
               const std::string& environment = "") const {
@@ -67,11 +68,9 @@ class CbmvBagTest : public testing::Test {
     words.insert(words.begin(), CBMV_TOOLS_DIR "/cbmv_bag");
     words.insert(words.end(), {"--frames-per-part", "2", "--resume"});
     words.insert(words.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) {
-      argv.push_back(word.data());
-    }
-    argv.push_back(nullptr);
+    std::vector<char*> argv(words.size() + 1, nullptr);
+    std::transform(words.begin(), words.end(), argv.begin(),
+                   [](std::string& word) { return word.data(); });
     const pid_t child = fork();
     if (child == 0) {
       static_cast<void>(std::freopen("/dev/null", "w", stdout));

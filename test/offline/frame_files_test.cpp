@@ -109,9 +109,10 @@ class FrameFilesTest : public testing::Test {
 
 template <typename Value>
 cv::Mat_<Value> pixels(const sensor_msgs::Image& image) {
-  const cv::Mat_<Value> view(static_cast<int>(image.height), static_cast<int>(image.width),
-                             reinterpret_cast<Value*>(const_cast<std::uint8_t*>(&image.data[0])));
-  return view.clone();
+  cv::Mat_<Value> copy(static_cast<int>(image.height), static_cast<int>(image.width));
+  CV_Assert(image.data.size() == copy.total() * copy.elemSize());
+  std::memcpy(copy.data, image.data.data(), image.data.size());
+  return copy;
 }
 
 /// The same bits, NaN too.

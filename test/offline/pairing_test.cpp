@@ -12,10 +12,9 @@ namespace {
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 std::vector<ros::Time> times(const std::vector<double>& seconds) {
-  std::vector<ros::Time> stamps;
-  for (const double second : seconds) {
-    stamps.emplace_back(second);
-  }
+  std::vector<ros::Time> stamps(seconds.size());
+  std::transform(seconds.begin(), seconds.end(), stamps.begin(),
+                 [](double second) { return ros::Time(second); });
   return stamps;
 }
 

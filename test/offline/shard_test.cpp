@@ -257,7 +257,7 @@ TEST_F(ShardTest, MergeNamesWhatIsMissingOrThereTwice) {
 TEST_F(ShardTest, MergeRefusesOtherSettingsAndRecordings) {
   writeRecording(input_, 4);
   convertShard(1, 2);
-  const auto refusesSecond = [&](ConversionOptions changed) {
+  const auto refuses_second = [&](ConversionOptions changed) {
     changed.shard = Shard{2, 2};
     changed.output = shardFile(2, 2);
     changed.earlier = EarlierParts::kOverwrite;
@@ -267,17 +267,17 @@ TEST_F(ShardTest, MergeRefusesOtherSettingsAndRecordings) {
   };
   ConversionOptions changed = options_;
   changed.matching.stereo.sgm.p2 += 1;
-  refusesSecond(changed);
+  refuses_second(changed);
   changed = options_;
   changed.copy = true;
-  refusesSecond(changed);
+  refuses_second(changed);
   changed = options_;
   changed.outputs = {"depth"};
-  refusesSecond(changed);
+  refuses_second(changed);
   fs::create_directory(folder_.file("other"));
   changed = options_;
   changed.inputs = {writeRecording(folder_.file("other/in.bag"), 5)};
-  refusesSecond(changed);
+  refuses_second(changed);
 
   changed.inputs = {writeRecording(folder_.file("other/in.bag"), 4)};  // on another machine, say
   changed.shard = Shard{2, 2};
@@ -313,21 +313,24 @@ TEST_F(ShardTest, ProgramsOfFourShardsDoTheWorkOfOne) {
   const auto run = [&](const std::string& arguments) {
     return test::run("cbmv_bag", arguments + settings);
   };
+  const auto convert = [&](const std::string& shard, const std::string& output) {
+    return run(input_ + " --shard " + shard + " --output " + output);
+  };
   ASSERT_EQ(run(input_ + " --output " + options_.output).status, 0);
   std::string shards;
   for (const std::string number : {"1", "2", "3", "4"}) {
     const std::string shard = folder_.file(number + ".bag");
-    EXPECT_EQ(run(input_ + " --shard " + number + "/4 --output " + shard).status, 0);
-    shards += shard + " ";
+    EXPECT_EQ(convert(number + "/4", shard).status, 0);
+    shards.append(shard).append(" ");
   }
-  const auto mergeBy = [&](const std::string& arguments) {
+  const auto merge_by = [&](const std::string& arguments) {
     return test::run("cbmv_bag", "merge " + arguments + " --output " + merged_);
   };
-  expectRefusal(mergeBy(folder_.file("1.bag")), {"cbmv_bag:", "shard 2/4 is missing"});
-  EXPECT_EQ(mergeBy(shards + "--compression lz4").status, 0);
+  expectRefusal(merge_by(folder_.file("1.bag")), {"cbmv_bag:", "shard 2/4 is missing"});
+  EXPECT_EQ(merge_by(shards + "--compression lz4").status, 0);
   EXPECT_TRUE(contentOf(merged_) == contentOf(options_.output));
-  expectRefusal(mergeBy(shards), {"merged.bag exists"});
-  expectRefusal(run(input_ + " --shard 5/4 --output " + merged_), {"'5/4'"});
+  expectRefusal(merge_by(shards), {"merged.bag exists"});
+  expectRefusal(convert("5/4", merged_), {"'5/4'"});
 }
 
 }  // namespace

@@ -231,16 +231,16 @@ TEST(SemiGlobalMatching, ForgetsTheSurfaceOfTheFrameBefore) {
   const EdgeImages images{makeGrey(shape.size(), Content::kPatches, 1),
                           makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
-  const auto meanOf = [&](SemiGlobalMatcher& matcher, const cv::Mat& surface) {
+  const auto mean_of = [&](SemiGlobalMatcher& matcher, const cv::Mat& surface) {
     OptimizedVolume mean;
     matcher.match(costs, images, surface, View::kLeft, shape.range, {}, mean);
     return mean;
   };
   SemiGlobalMatcher used;
-  meanOf(used, makeSurface(shape, Content::kPatches));
-  const OptimizedVolume found = meanOf(used, {});
+  mean_of(used, makeSurface(shape, Content::kPatches));
+  const OptimizedVolume found = mean_of(used, {});
   SemiGlobalMatcher unused;
-  const OptimizedVolume expected = meanOf(unused, {});
+  const OptimizedVolume expected = mean_of(unused, {});
   expectVolume(found, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
 }
 

@@ -132,11 +132,11 @@ int blocksOf(const Run& run) {
 
 class Allocations : public testing::TestWithParam<Setup> {
  protected:
-  std::unique_ptr<StereoMatcher> matcher = makeMatcher(GetParam());
-  StereoResult result;
+  std::unique_ptr<StereoMatcher> matcher_ = makeMatcher(GetParam());
+  StereoResult result_;
 
   int blocksOfFrame(const Pair& pair) {
-    return blocksOf([&] { matcher->match(pair.left, pair.right, someOffset(), result); });
+    return blocksOf([&] { matcher_->match(pair.left, pair.right, someOffset(), result_); });
   }
 };
 
@@ -172,7 +172,7 @@ TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
     const Pair& pair = pairs[frame % 3];
     StereoResult fresh;
     const int blocks =
-        blocksOf([&] { fresh = matcher->match(pair.left, pair.right, someOffset()); });
+        blocksOf([&] { fresh = matcher_->match(pair.left, pair.right, someOffset()); });
     if (frame > 0) {
       EXPECT_EQ(blocks, 4) << "disparity, right disparity, labels, confidence";
     }
@@ -189,8 +189,8 @@ TEST_P(Allocations, StopAgainAfterAChangeOfSize) {
     EXPECT_EQ(blocksOfFrame((*some)[1]), 0);
     StereoResult expected;
     makeMatcher(GetParam())->match((*some)[1].left, (*some)[1].right, someOffset(), expected);
-    EXPECT_EQ(cv::norm(result.disparity, expected.disparity, cv::NORM_INF), 0);
-    EXPECT_EQ(cv::norm(result.confidence, expected.confidence, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(result_.disparity, expected.disparity, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(result_.confidence, expected.confidence, cv::NORM_INF), 0);
   }
 }
 

@@ -15,7 +15,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string writePreset(const std::string& text) {
-  const std::string path = testing::TempDir() + "preset.yaml";
+  std::string path = testing::TempDir() + "preset.yaml";
   std::ofstream(path) << text;
   return path;
 }
@@ -154,9 +154,9 @@ TEST(Preset, RefusesHostileYaml) {
   EXPECT_THAT(read("# " + std::string(70000, 'x')), HasSubstr("larger than 65536 bytes"));
   std::string bomb = "a0: &a0 [x, x]\n";
   for (int i = 1; i < 60; ++i) {
-    const std::string last = "*a" + std::to_string(i - 1);
-    bomb +=
-        "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + last + ", " + last + "]\n";
+    const std::string here = "a" + std::to_string(i), last = "*a" + std::to_string(i - 1);
+    bomb.append(here).append(": &").append(here);
+    bomb.append(" [").append(last).append(", ").append(last).append("]\n");
   }
   EXPECT_THAT(read(bomb), HasSubstr("no parameter a0"));
 }

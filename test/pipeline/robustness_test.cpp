@@ -197,6 +197,7 @@ std::vector<StereoResult> resultsIn(int pattern, int threads, const std::vector<
   const PoisonedHeap heap(pattern);
   StereoMatcher matcher(obliviousForest(), optionsFor(range, threads));
   std::vector<StereoResult> results;
+  results.reserve(pairs.size());
   for (const Pair& pair : pairs) {
     results.push_back(matcher.match(pair.left, pair.right));
   }

@@ -1,6 +1,7 @@
 #include "cbmv_stereo/rectification/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -172,9 +173,9 @@ TEST(RectificationTracker, ServesSeveralThreads) {
   options.interval_s = 0.0;
   RectificationTracker tracker(options);
   std::atomic<int> wrong{0};
-  std::vector<std::thread> threads;
-  for (int t = 0; t < 4; ++t) {
-    threads.emplace_back([&, t] {
+  std::array<std::thread, 4> threads;
+  for (std::size_t t = 0; t < threads.size(); ++t) {
+    threads[t] = std::thread([&, t] {
       for (int i = 0; i < 100; ++i) {
         const VerticalOffset model = tracker.update(scene.left, scene.right, kRange, i);
         wrong += model.matches > 0 && std::abs(model.offset_px - 0.8) > 0.05 ? 1 : 0;

@@ -125,9 +125,9 @@ TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
       EXPECT_NEAR(model.curvature_x, -twist, 3.0 * model.curvature_x_sigma);
       EXPECT_NEAR(model.curvature_y, twist, 3.0 * model.curvature_y_sigma);
       EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a bound that says something
-      EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2));
-      EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2));
-      EXPECT_LT(3.0 * model.twist_sigma, 0.1 / (size.width / 2) / (size.height / 2));
+      EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2.0));
+      EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2.0));
+      EXPECT_LT(3.0 * model.twist_sigma, 0.1 / (size.width / 2.0) / (size.height / 2.0));
     }
   }
 }

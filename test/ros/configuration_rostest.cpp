@@ -314,13 +314,13 @@ TEST(Points, LayoutIsTheParameters) {
   EXPECT_EQ(cloud->point_step, 20U);
   ASSERT_EQ(cloud->fields.size(), 5U);
   EXPECT_EQ(cloud->fields[4].name, "confidence");
-  const auto depthAt = [&](std::size_t x, std::size_t y) {
+  const auto depth_at = [&](std::size_t x, std::size_t y) {
     float z = 0;
     std::memcpy(&z, &cloud->data[y * cloud->row_step + x * cloud->point_step + 8], sizeof(z));
     return z;
   };
-  EXPECT_NEAR(depthAt(62, 40), 30.0 / kNearPx, 0.2);
-  EXPECT_TRUE(std::isnan(depthAt(62, 8)));
+  EXPECT_NEAR(depth_at(62, 40), 30.0 / kNearPx, 0.2);
+  EXPECT_TRUE(std::isnan(depth_at(62, 8)));
 }
 
 TEST(Diagnostics, FollowTheStream) {

@@ -164,7 +164,7 @@ TEST(GreyPair, SixteenBitsKeepTheirContrast) {
     const auto outliers = static_cast<std::size_t>(0.001 * static_cast<double>(all.size()));
     const double black = all[outliers];
     const double white = all[all.size() - 1 - outliers];
-    const auto expectStretched = [&](const cv::Mat& deep, const cv::Mat& stretched) {
+    const auto expect_stretched = [&](const cv::Mat& deep, const cv::Mat& stretched) {
       for (int y = 0; y < kSize.height; ++y) {
         for (int x = 0; x < kSize.width; ++x) {
           const double wanted = 255 * (deep.at<std::uint16_t>(y, x) - black) / (white - black);
@@ -172,8 +172,8 @@ TEST(GreyPair, SixteenBitsKeepTheirContrast) {
         }
       }
     };
-    expectStretched(left, grey.left);
-    expectStretched(right, grey.right);
+    expect_stretched(left, grey.left);
+    expect_stretched(right, grey.right);
   }
 }
 
@@ -634,7 +634,7 @@ TEST(PointCloud, LimitsOfDepth) {
   const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};            // f T = 30
   const cv::Mat disparity = (cv::Mat_<float>(1, 5) << 3, 5, 6, 10, 15);  // 10, 6, 5, 3, 2 m
   const CloudSource source{disparity, cv::Mat(1, 5, CV_8UC3), {}};
-  const auto isThere = [&](const CloudOptions& options) {
+  const auto is_there = [&](const CloudOptions& options) {
     const auto cloud = toPointCloud(source, geometry, options, {});
     std::string there;
     for (std::size_t i = 0; i < 5; ++i) {
@@ -642,10 +642,10 @@ TEST(PointCloud, LimitsOfDepth) {
     }
     return there;
   };
-  EXPECT_EQ(isThere({}), "xxxxx");
-  EXPECT_EQ(isThere({3, 6, false, false}), "-xxx-");
-  EXPECT_EQ(isThere({0, 5.5, false, false}), "--xxx");
-  EXPECT_EQ(isThere({2.5, 0, false, false}), "xxxx-");
+  EXPECT_EQ(is_there({}), "xxxxx");
+  EXPECT_EQ(is_there({3, 6, false, false}), "-xxx-");
+  EXPECT_EQ(is_there({0, 5.5, false, false}), "--xxx");
+  EXPECT_EQ(is_there({2.5, 0, false, false}), "xxxx-");
 }
 
 TEST(PointCloud, FarthestPlaneOfADenseDisparityStays) {

@@ -1,6 +1,7 @@
 // Run by faults_lifecycle.test: nodelets that go, and processes that are ended, in the middle of a
 // frame.
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <string>
@@ -23,8 +24,8 @@ constexpr int kReloads = 100;
 constexpr double kLongestShutdownS = 30;  // one frame, on a machine with other work
 
 /// Cameras and a reader of disparities in a namespace.
-struct Stream {
-  explicit Stream(const std::string& name_space) : nh(name_space), cameras(nh) {
+struct LiveStereo {
+  explicit LiveStereo(const std::string& name_space) : nh(name_space), cameras(nh) {
     disparity.subscribe(nh, "disparity");
   }
   PairMessages pair(ros::Time stamp = ros::Time::now()) const {
@@ -72,7 +73,7 @@ TEST(Lifecycle, UnloadedAndLoadedAHundredTimesWhileComputing) {
   ros::NodeHandle parameters(nodelet);
   parameters.setParam("forest", CBMV_TEST_FOREST);
   parameters.setParam("disparity_range", 16);
-  Stream stream("/reloaded");
+  LiveStereo stream("/reloaded");
   cv::RNG random(5);
   for (int round = 0; round < kReloads; ++round) {
     SCOPED_TRACE(round);
@@ -92,11 +93,9 @@ TEST(Lifecycle, UnloadedAndLoadedAHundredTimesWhileComputing) {
 class Program {
  public:
   explicit Program(const std::vector<std::string>& command) {
-    std::vector<char*> arguments;
-    for (const std::string& word : command) {
-      arguments.push_back(const_cast<char*>(word.c_str()));
-    }
-    arguments.push_back(nullptr);
+    std::vector<char*> arguments(command.size() + 1, nullptr);
+    std::transform(command.begin(), command.end(), arguments.begin(),
+                   [](const std::string& word) { return const_cast<char*>(word.c_str()); });
     if (posix_spawn(&pid_, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
       throw std::runtime_error("cannot start " + command[0]);
     }
@@ -133,7 +132,7 @@ void setSlowParameters(const std::string& node) {
 }
 
 void expectEndsInTheMiddleOfAFrame(Program& program, const std::string& name_space) {
-  Stream stream(name_space);
+  LiveStereo stream(name_space);
   stream.images = renderPair({240, 180}, 10, 40);
   ASSERT_TRUE(stream.comes());
   const std::size_t before = stream.disparity.count();
@@ -172,7 +171,7 @@ TEST(Lifecycle, FramesThatFindNoAddressSpaceAreDropped) {
   Program node({"/bin/sh", "-c",
                 "ulimit -v 1200000; exec " CBMV_STEREO_NODE " __name:=node __ns:=/starved"});
   DiagnosticsReader diagnostics("starved/node");
-  Stream stream("/starved");
+  LiveStereo stream("/starved");
   const StereoPair small = stream.images;
   for (int round = 0; round < 3; ++round) {
     stream.images = small;

@@ -91,7 +91,7 @@ TEST_F(TimeFaults, StampsOfAnotherTime) {
 /// On each topic for itself, so that sets stay incomplete.
 TEST_F(TimeFaults, RandomStampsDoNoHarm) {
   cv::RNG random(3);
-  const auto anyStamp = [&random] {
+  const auto any_stamp = [&random] {
     switch (random.uniform(0, 5)) {
       case 0:
         return ros::Time(0);
@@ -108,10 +108,10 @@ TEST_F(TimeFaults, RandomStampsDoNoHarm) {
   for (int round = 0; round < 5; ++round) {
     for (int i = 0; i < 100; ++i) {
       PairMessages messages = goodPair();
-      messages.left_image->header.stamp = anyStamp();
-      messages.left_info->header.stamp = anyStamp();
-      messages.right_image->header.stamp = anyStamp();
-      messages.right_info->header.stamp = anyStamp();
+      messages.left_image->header.stamp = any_stamp();
+      messages.left_info->header.stamp = any_stamp();
+      messages.right_image->header.stamp = any_stamp();
+      messages.right_info->header.stamp = any_stamp();
       cameras().publish(messages);
       wait(0.001);
     }

@@ -222,13 +222,13 @@ TEST_F(CloudOfDisparity, LayoutAndLimitsAreTheParameters) {
   EXPECT_EQ(cloud.point_step, 16U);
   ASSERT_EQ(cloud.fields.size(), 4U);
   EXPECT_EQ(cloud.fields[3].offset, 12U);
-  const auto depthAt = [&](std::size_t x, std::size_t y) {
+  const auto depth_at = [&](std::size_t x, std::size_t y) {
     float z = 0;
     std::memcpy(&z, &cloud.data[y * cloud.row_step + x * 16 + 8], sizeof(z));
     return z;
   };
-  EXPECT_EQ(depthAt(2, 2), 7.5F);
-  EXPECT_TRUE(std::isnan(depthAt(10, 8)));
+  EXPECT_EQ(depth_at(2, 2), 7.5F);
+  EXPECT_TRUE(std::isnan(depth_at(10, 8)));
 }
 
 }  // namespace

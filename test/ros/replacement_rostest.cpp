@@ -206,7 +206,7 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
 }
 
 TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
-  const auto hasTopic = [](const std::string& name, const std::string& type) {
+  const auto has_topic = [](const std::string& name, const std::string& type) {
     return waitFor([&] {
       ros::master::V_TopicInfo topics;
       ros::master::getTopics(topics);
@@ -215,11 +215,11 @@ TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
       });
     });
   };
-  EXPECT_TRUE(hasTopic("/robot/disparity", "stereo_msgs/DisparityImage"));
-  EXPECT_TRUE(hasTopic("/robot/points2", "sensor_msgs/PointCloud2"));
+  EXPECT_TRUE(has_topic("/robot/disparity", "stereo_msgs/DisparityImage"));
+  EXPECT_TRUE(has_topic("/robot/points2", "sensor_msgs/PointCloud2"));
   for (const std::string camera : {"port", "starboard"}) {
     for (const char* image : {"image_mono", "image_color", "image_rect", "image_rect_color"}) {
-      EXPECT_TRUE(hasTopic("/robot/" + camera + "/" + image, "sensor_msgs/Image")) << image;
+      EXPECT_TRUE(has_topic("/robot/" + camera + "/" + image, "sensor_msgs/Image")) << image;
     }
   }
   EXPECT_TRUE(ros::service::exists("/robot/disparity/set_parameters", true));

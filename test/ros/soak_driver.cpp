@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -92,10 +93,8 @@ double quantile(std::vector<double> values, double q) {
 double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 std::vector<double> valuesOf(const std::vector<Result>& results, double Result::*member) {
-  std::vector<double> values;
-  for (const Result& result : results) {
-    values.push_back(result.*member);
-  }
+  std::vector<double> values(results.size());
+  std::transform(results.begin(), results.end(), values.begin(), std::mem_fn(member));
   return values;
 }
 

@@ -524,8 +524,8 @@ TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
   sent.right_info->P[3] = -2 * rig_.focal_length_px * rig_.baseline_m;
   sent.left_info->roi.x_offset = 74;
   sent.right_info->roi.x_offset = 80;
-  rig_.cx_left_px = (200 - 74) / 2;
-  rig_.cx_right_px = (200 - 80) / 2;
+  rig_.cx_left_px = (200 - 74) / 2.0;
+  rig_.cx_right_px = (200 - 80) / 2.0;
   rig_.cy_px = (91 - 10) / 2.0;
   client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));

@@ -220,6 +220,7 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
 }  // namespace
 }  // namespace cbmv
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int) { cbmv::stop_requested = 1; });

@@ -211,6 +211,7 @@ void report(const ReportArguments& arguments) {
 }  // namespace
 }  // namespace cbmv
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{"Bags of one stereo pair for scripts/demo"};
   app.require_subcommand(1);
