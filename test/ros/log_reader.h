@@ -22,7 +22,7 @@ class LogReader {
   }
 
   /// Waits for a warning or error that holds all of `words`.
-  bool waitForWarning(const std::vector<std::string>& words, double timeout_s = 10) {
+  bool waitForWarning(const std::vector<std::string>& words, double timeout_s = 30) {
     return waitFor([&] { return hasWarning(words); }, timeout_s);
   }
 

@@ -8,7 +8,7 @@
 namespace cbmv {
 
 /// Calls back until `done` or until the time is over; returns whether it is done.
-inline bool waitFor(const std::function<bool()>& done, double timeout_s = 10) {
+inline bool waitFor(const std::function<bool()>& done, double timeout_s = 30) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
   while (ros::ok() && !done() && ros::WallTime::now() < end) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
