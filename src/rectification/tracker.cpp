@@ -1,19 +1,18 @@
 #include "cbmv_stereo/rectification/tracker.h"
 
 #include <exception>
+#include <utility>
 
 #include "sparse_matches.h"
+
+#include "cbmv_stereo/pipeline/frame_worker.h"
 
 namespace cbmv {
 
 RectificationTracker::RectificationTracker(const RectificationOptions& options)
     : options_(options) {}
 
-RectificationTracker::~RectificationTracker() {
-  if (worker_.joinable()) {
-    worker_.join();
-  }
-}
+RectificationTracker::~RectificationTracker() = default;
 
 VerticalOffset RectificationTracker::update(const cv::Mat& left, const cv::Mat& right,
                                             const DisparityRange& range, double now_s) {
@@ -29,7 +28,7 @@ VerticalOffset RectificationTracker::update(const cv::Mat& left, const cv::Mat& 
   const double elapsed_s = now_s - last_start_s_;
   const bool is_due = !has_started_ || elapsed_s < 0.0 || elapsed_s >= options_.interval_s;
   if (is_due && !is_running_) {
-    start(left, right, range, now_s);
+    start({left, right, range, now_s, generation_});
     last_start_s_ = now_s;
     has_started_ = true;
   }
@@ -53,31 +52,30 @@ void RectificationTracker::resetLocked() {
   ++generation_;
 }
 
-void RectificationTracker::start(const cv::Mat& left, const cv::Mat& right,
-                                 const DisparityRange& range, double now_s) {
-  if (worker_.joinable()) {
-    worker_.join();  // has finished: nothing is running
-  }
+/// One thread for all estimates: OpenCV keeps 800 bytes of each thread that it was ever called
+/// from.
+void RectificationTracker::start(Pair pair) {
   try {
-    worker_ = std::thread(
-        [this, left = left.clone(), right = right.clone(), range, now_s, generation = generation_] {
-          estimate(left, right, range, now_s, generation);
-        });
+    if (!worker_) {
+      worker_ = std::make_unique<FrameWorker<Pair>>([this](const Pair& given) { estimate(given); });
+    }
+    pair.left = pair.left.clone();
+    pair.right = pair.right.clone();
+    worker_->submit(std::move(pair));
     is_running_ = true;  // it cannot have finished: that takes the mutex
   } catch (const std::exception&) {
     return;  // no memory or no thread: the next pair may do better
   }
 }
 
-void RectificationTracker::estimate(const cv::Mat& left, const cv::Mat& right,
-                                    const DisparityRange& range, double now_s, int generation) {
+void RectificationTracker::estimate(const Pair& pair) {
   Measurement measurement;
   try {
-    measurement = {measureVerticalOffset(left, right, range, options_), now_s};
+    measurement = {measureVerticalOffset(pair.left, pair.right, pair.range, options_), pair.time_s};
   } catch (const std::exception&) {
     measurement = {};  // out of memory, at worst: the next pair may do better
   }
-  finish(measurement, generation);
+  finish(measurement, pair.generation);
 }
 
 void RectificationTracker::finish(const Measurement& measurement, int generation) {

@@ -9,10 +9,11 @@
 #include <ros/ros.h>
 #include <stereo_msgs/DisparityImage.h>
 
-#include "ros/frame_worker.h"
 #include "ros/nodelet_inputs.h"
 #include "ros/point_cloud.h"
 #include "ros/warning_throttle.h"
+
+#include "cbmv_stereo/pipeline/frame_worker.h"
 
 namespace cbmv {
 

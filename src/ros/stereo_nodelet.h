@@ -13,7 +13,6 @@
 #include <ros/ros.h>
 
 #include "ros/color_buffer.h"
-#include "ros/frame_worker.h"
 #include "ros/nodelet_inputs.h"
 #include "ros/output_publishers.h"
 #include "ros/private_parameters.h"
@@ -21,6 +20,7 @@
 #include "ros/stereo_processor.h"
 #include "ros/warning_throttle.h"
 
+#include "cbmv_stereo/pipeline/frame_worker.h"
 #include <cbmv_stereo/StereoConfig.h>
 
 namespace cbmv {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -190,6 +191,36 @@ TEST(RectificationTracker, ServesSeveralThreads) {
     thread.join();
   }
   EXPECT_EQ(wrong, 0);
+}
+
+/// The least of a while, in which the worker gives the last pair back.
+std::size_t bytesInUse() {
+  std::size_t least = mallinfo2().uordblks;
+  for (int i = 0; i < 50; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    least = std::min(least, mallinfo2().uordblks);
+  }
+  return least;
+}
+
+/// OpenCV keeps memory of each thread that it was ever called from.
+TEST(RectificationTracker, KeepsNoMemoryOfEarlierEstimates) {
+  const RenderedScene scene = sceneWithOffset(0.8);
+  RectificationOptions options;
+  options.interval_s = 0.5;
+  RectificationTracker tracker(options);
+  double now_s = 0.0;
+  const auto estimate = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      now_s += 1.0;
+      updateUntil(tracker, scene, now_s,
+                  [&](const VerticalOffset&) { return tracker.measurement().time_s == now_s; });
+    }
+  };
+  estimate(20);
+  const std::size_t before = bytesInUse();
+  estimate(100);
+  EXPECT_LT(bytesInUse(), before + 20000);
 }
 
 /// Leaves the hard limit as it is, which few may raise again.

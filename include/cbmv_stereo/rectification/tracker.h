@@ -1,7 +1,7 @@
 #pragma once
 
+#include <memory>
 #include <mutex>
-#include <thread>
 
 #include <opencv2/core.hpp>
 
@@ -9,8 +9,11 @@
 
 namespace cbmv {
 
+template <typename Frame>
+class FrameWorker;
+
 /// Follows the vertical offset of a stream of pairs without holding the stream up: estimates run on
-/// one background thread. All functions may be called from any thread.
+/// one background thread, which the first one starts. All functions may be called from any thread.
 class RectificationTracker {
  public:
   explicit RectificationTracker(const RectificationOptions& options);
@@ -40,16 +43,21 @@ class RectificationTracker {
   void reset();
 
  private:
+  struct Pair {
+    cv::Mat left, right;
+    DisparityRange range;
+    double time_s = 0.0;
+    int generation = 0;
+  };
+
   void resetLocked();
-  void start(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range, double now_s);
-  void estimate(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
-                double now_s, int generation);
+  void start(Pair pair);
+  void estimate(const Pair& pair);
   void finish(const Measurement& measurement, int generation);
   void blend(const VerticalOffset& estimate);
 
   const RectificationOptions options_;
   mutable std::mutex mutex_;  ///< guards all below
-  std::thread worker_;
   bool is_running_ = false;
   bool has_started_ = false;
   double last_start_s_ = 0.0;
@@ -57,6 +65,7 @@ class RectificationTracker {
   cv::Size size_;
   VerticalOffset model_;
   Measurement measurement_;
+  std::unique_ptr<FrameWorker<Pair>> worker_;  ///< the last member: ends before the others go
 };
 
 }  // namespace cbmv

@@ -1,4 +1,4 @@
-#include "ros/frame_worker.h"
+#include "cbmv_stereo/pipeline/frame_worker.h"
 
 #include <atomic>
 #include <chrono>
