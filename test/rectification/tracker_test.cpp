@@ -196,7 +196,7 @@ TEST(RectificationTracker, ServesSeveralThreads) {
 /// The least of a while, in which the worker gives the last pair back.
 std::size_t bytesInUse() {
   std::size_t least = mallinfo2().uordblks;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 250; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     least = std::min(least, mallinfo2().uordblks);
   }
