@@ -20,7 +20,7 @@ if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
 endif()
 
 set(CBMV_STAGES input rectification matching confidence forest volume optimization refinement pipeline
-    io evaluation)
+    output io evaluation)
 set(CBMV_SOURCES)
 foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)

@@ -2,7 +2,7 @@
 file(GLOB ros_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/ros/*.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "_node\\.cpp$")
 if(CBMV_BUILD_FUZZERS)  # what reads messages
-  list(FILTER ros_sources INCLUDE REGEX "/(color_buffer|conversions|geometry|image_conversion|point_cloud)\\.cpp$")
+  list(FILTER ros_sources INCLUDE REGEX "/(camera_info|color_buffer|conversions|image_conversion|point_cloud)\\.cpp$")
 endif()
 
 add_library(cbmv_stereo_nodelets SHARED ${ros_sources})

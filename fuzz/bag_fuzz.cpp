@@ -7,7 +7,6 @@
 #include "offline/frame_loader.h"
 #include "offline/frame_plan.h"
 #include "offline/stereo_topics.h"
-#include "ros/geometry.h"
 #include "ros/image_conversion.h"
 #include "scratch_file.h"
 
@@ -16,8 +15,10 @@ namespace {
 constexpr std::size_t kFrames = 4;
 
 void convert(const cbmv::LoadedFrame& frame, const cbmv::StereoTopics& topics) {
-  const cbmv::GreyPair pair = cbmv::toGreyPair(frame.messages, topics, true);
-  cbmv::toGeometry(*frame.messages.left_info, *frame.messages.right_info, pair.left.size(), topics);
+  const cbmv::StereoInput input = cbmv::toStereoInput(frame.messages, topics, true);
+  cbmv::toGrayPair(input);
+  cbmv::requireUsable(cbmv::checkCalibration(*input.cameras, input.left.size(), input.names,
+                                             cbmv::RectifiedBy::kUs));
 }
 
 }  // namespace

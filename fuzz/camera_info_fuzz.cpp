@@ -5,7 +5,7 @@
 
 #include "offline/frame_loader.h"
 #include "raw_input.h"
-#include "ros/geometry.h"
+#include "ros/camera_info.h"
 #include "ros/image_conversion.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

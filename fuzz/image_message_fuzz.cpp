@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   }
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>();
   const cbmv::StereoMessages messages{image, info, image, info};
-  cbmv::fuzz::attempt([&] { cbmv::toGreyPair(messages, {}, true); });
+  cbmv::fuzz::attempt([&] { cbmv::toGrayPair(cbmv::toStereoInput(messages, {}, true)); });
   cbmv::fuzz::attempt([&] { cbmv::toColor(*image, "left", cbmv::imageSize(*image)); });
   return cbmv::fuzz::attempt([&] { cbmv::toFloats(*image, "disparity"); });
 }

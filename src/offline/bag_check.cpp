@@ -57,7 +57,7 @@ void describePairs(const FramePlan& plan, BagCheck& check) {
   }
 }
 
-void describeCalibration(const PreparedFrame& frame, const VerticalOffset& offset,
+void describeCalibration(const PreparedPair& frame, const VerticalOffset& offset,
                          const DisparityRange& range, BagCheck& check) {
   const StereoGeometry& geometry = frame.geometry;
   const double depth_factor = geometry.focal_length_px * geometry.baseline_m;
@@ -82,13 +82,14 @@ void describeCalibration(const PreparedFrame& frame, const VerticalOffset& offse
   }
 }
 
-void describeCost(const FramePlan& plan, OfflineMatcher& matcher, const PreparedFrame& frame,
-                  const VerticalOffset& offset, BagCheck& check) {
-  matcher.match(frame, offset);  // the first one takes its memory
+void describeCost(const FramePlan& plan, FrameProcessor& processor, const PreparedPair& frame,
+                  const VerticalOffset& vertical_offset, BagCheck& check) {
+  GivenOffset offset(vertical_offset);
+  processor.match(frame, offset);  // the first one takes its memory
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
   for (int i = 0; i < kTimedFrames; ++i) {
-    matcher.match(frame, offset);
+    processor.match(frame, offset);
   }
   check.matching_s = (steadySeconds() - begin_s) / kTimedFrames;
   check.processor_s =
@@ -102,15 +103,16 @@ void describeCost(const FramePlan& plan, OfflineMatcher& matcher, const Prepared
 }
 
 /// The frame in the middle; none, and a problem, if it cannot be used.
-std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const OfflineMatcher& matcher,
-                                        BagCheck& check) {
+std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const FrameProcessor& processor,
+                                        bool allow_different_frame_ids, BagCheck& check) {
   if (plan.frames.empty()) {
     check.problems.emplace_back("there is no pair to process");
     return std::nullopt;
   }
   try {
     FrameLoader loader(plan.topics, false);
-    return matcher.prepare(loader.load(plan.frames[plan.frames.size() / 2]), loader.topicNames());
+    return prepareFrame(loader.load(plan.frames[plan.frames.size() / 2]), loader.topicNames(),
+                        loader.rectifiedBy(), allow_different_frame_ids, processor);
   } catch (const InputError& error) {
     check.problems.emplace_back(error.what());
     return std::nullopt;
@@ -138,11 +140,14 @@ BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const
   check.frames = plan.frames.size();
   describeBags(bags, plan, check);
   describePairs(plan, check);
-  OfflineMatcher matcher(forest, options.matching);
-  if (const auto frame = prepareOne(plan, matcher, check)) {
-    const VerticalOffset offset = matcher.estimateOffset(*frame);
-    describeCalibration(*frame, offset, options.matching.stereo.range, check);
-    describeCost(plan, matcher, *frame, offset, check);
+  FrameProcessor processor(forest, options.matching.stereo);
+  if (const auto frame =
+          prepareOne(plan, processor, options.matching.allow_different_frame_ids, check)) {
+    const VerticalOffset offset = processor.estimateOffset(frame->pair);
+    describeCalibration(frame->pair, offset, options.matching.stereo.range, check);
+    check.problems.insert(check.problems.end(), frame->pair.warnings.begin(),
+                          frame->pair.warnings.end());
+    describeCost(plan, processor, frame->pair, offset, check);
   }
   return check;
 }

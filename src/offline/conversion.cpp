@@ -222,8 +222,10 @@ ConversionSummary convertBags(const ConversionOptions& options,
   }
   summary.resumed = segments.framesDone();
   FrameLoader loader(summary.plan.topics, outputs.needsColor());
-  OfflineMatcher matcher(forest, options.matching);
-  PipelineParts parts{summary.plan, loader, matcher, {}, {}, {}, events.should_stop};
+  FrameProcessor processor(forest, options.matching.stereo);
+  processor.setMinConfidence(options.matching.min_confidence);
+  PipelineParts parts{summary.plan, loader, processor, options.matching.allow_different_frame_ids,
+                      {}, {}, {}, events.should_stop};
   if (files) {
     files->begin(options.earlier == EarlierParts::kOverwrite);
     segments.setBeforePart([&] { files->sync(); });

@@ -10,7 +10,7 @@
 
 #include "offline/frame_outputs.h"
 #include "offline/frame_plan.h"
-#include "offline/offline_matcher.h"
+#include "offline/prepared_frame.h"
 #include "offline/segments.h"
 #include "offline/shard.h"
 

@@ -11,6 +11,8 @@
 #include "offline/frame_plan.h"
 #include "ros/input_messages.h"
 
+#include "cbmv_stereo/input/calibration_check.h"
+
 namespace cbmv {
 
 /// Messages of a frame as the live node would get them.
@@ -44,6 +46,9 @@ class FrameLoader {
   /// Throws InputError that names the topic if a message cannot be used.
   LoadedFrame load(const PlannedFrame& frame);
   StereoTopics topicNames() const;
+  RectifiedBy rectifiedBy() const {
+    return topics_.left.raw ? RectifiedBy::kUs : RectifiedBy::kOthers;
+  }
 
  private:
   using Camera = std::shared_ptr<const image_geometry::PinholeCameraModel>;

@@ -72,7 +72,9 @@ std::vector<OfflineOutput> offlineOutputs() {
 Source sourceOf(const PreparedFrame& prepared, const ProcessedFrame& processed,
                 const std::string& color_topic) {
   return {processed.result, processed.geometry, prepared.loaded.messages.left_image->header,
-          processed.disparity_step_px, [&] { return colorOf(prepared, color_topic); }};
+          processed.disparity_step_px, [&] {
+            return toCloudColor(prepared.loaded.color, color_topic, processed.left_gray, nullptr);
+          }};
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "offline/offline_matcher.h"
+#include "offline/prepared_frame.h"
 #include "offline/raw_message.h"
 
 namespace cbmv {

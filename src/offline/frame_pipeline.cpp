@@ -85,7 +85,8 @@ class Steps {
     }
     attempt(*job, [this](Job& j) {
       const double begin_s = steadySeconds();
-      j.processed = parts_.matcher.match(*j.prepared, offset_);
+      GivenOffset offset(offset_);
+      j.processed = parts_.processor.match(j.prepared->pair, offset);
       report_.matching_seconds += steadySeconds() - begin_s;
     });
     return job;
@@ -115,8 +116,9 @@ class Steps {
 
  private:
   void prepareJob(Job& job) const {
-    job.prepared =
-        parts_.matcher.prepare(parts_.loader.load(*job.planned), parts_.loader.topicNames());
+    job.prepared = prepareFrame(
+        parts_.loader.load(*job.planned), parts_.loader.topicNames(), parts_.loader.rectifiedBy(),
+        parts_.allow_different_frame_ids, parts_.processor);
   }
 
   /// Zero if the frame that it comes from cannot be used.
@@ -128,7 +130,7 @@ class Steps {
       attempt(other, [this](Job& j) { prepareJob(j); });
     }
     Job& source = is_own ? job : other;
-    attempt(source, [this](Job& j) { j.offset = parts_.matcher.estimateOffset(*j.prepared); });
+    attempt(source, [this](Job& j) { j.offset = parts_.processor.estimateOffset(j.prepared->pair); });
     return source.offset;
   }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "offline/frame_plan.h"
-#include "offline/offline_matcher.h"
+#include "offline/prepared_frame.h"
 #include "offline/raw_message.h"
 
 namespace cbmv {
@@ -16,7 +16,8 @@ namespace cbmv {
 struct PipelineParts {
   const FramePlan& plan;
   FrameLoader& loader;
-  OfflineMatcher& matcher;
+  FrameProcessor& processor;
+  bool allow_different_frame_ids = true;
   /// Makes what is written of a frame; called by several threads at once.
   std::function<std::vector<RawMessage>(const PlannedFrame&, const PreparedFrame&,
                                         const ProcessedFrame&)>

@@ -61,15 +61,8 @@ void writeMessageFile(const std::string& path, const sensor_msgs::PointCloud2& m
 }
 
 void writeMessageFile(const std::string& path, const sensor_msgs::CameraInfo& message) {
-  CameraCalibration camera;
+  CameraCalibration camera = toCameraCalibration(message);
   camera.name = message.header.frame_id;
-  camera.width = static_cast<int>(message.width);
-  camera.height = static_cast<int>(message.height);
-  camera.distortion_model = message.distortion_model;
-  camera.distortion = message.D;
-  std::copy(message.K.begin(), message.K.end(), camera.camera_matrix.begin());
-  std::copy(message.R.begin(), message.R.end(), camera.rectification.begin());
-  std::copy(message.P.begin(), message.P.end(), camera.projection.begin());
   writeCameraYaml(path, camera);
 }
 

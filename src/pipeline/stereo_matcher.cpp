@@ -1,5 +1,6 @@
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,6 +65,7 @@ class StereoMatcher::Impl {
   void setOptions(const StereoOptions& options) {
     requireConsistent(options);
     options_ = options;
+    checked_size_.reset();
     arena_ = std::make_unique<tbb::task_arena>(
         options.threads > 0 ? options.threads : static_cast<int>(tbb::task_arena::automatic));
   }
@@ -71,7 +73,10 @@ class StereoMatcher::Impl {
   void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
              StereoResult& result) {
     requirePair(left, right);
-    requireMemory(left.size(), options_);
+    if (checked_size_ != left.size()) {
+      requireMemory(left.size(), options_);
+      checked_size_ = left.size();
+    }
     result.times = {};
     result.rectification = {};
     if (tbb::this_task_arena::max_concurrency() == arena_->max_concurrency()) {
@@ -108,6 +113,7 @@ class StereoMatcher::Impl {
   std::shared_ptr<const Forest> forest_;
   ForestEvaluator evaluator_;
   StereoOptions options_;
+  std::optional<cv::Size> checked_size_;  ///< of images that do not need too much memory
   std::unique_ptr<tbb::task_arena> arena_;
   cv::Mat aligned_;
   VolumeBuilder builder_;

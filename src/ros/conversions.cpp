@@ -9,6 +9,7 @@
 #include <sensor_msgs/image_encodings.h>
 
 #include "cbmv_stereo/io/preview.h"
+#include "cbmv_stereo/output/points.h"
 
 namespace cbmv {
 namespace {
@@ -38,13 +39,8 @@ sensor_msgs::RegionOfInterest validWindow(const StereoResult& result) {
 }
 
 /// Z in metres, CV_32FC1; NaN where there is no point.
-cv::Mat toDepth(const StereoResult& result, const StereoGeometry& geometry) {
-  const double scale = geometry.focal_length_px * geometry.baseline_m;
-  cv::Mat depth = toValidDisparity(result, geometry);
-  for (float& value : cv::Mat_<float>(depth)) {
-    value = value > 0 ? static_cast<float>(scale / value) : kNone;
-  }
-  return depth;
+cv::Mat depthOf(const StereoResult& result, const StereoGeometry& geometry) {
+  return toDepth(toValidDisparity(result, geometry), geometry);
 }
 
 /// Of a rectified camera without distortion, with calib.txt's one focal length.
@@ -60,14 +56,6 @@ sensor_msgs::CameraInfo toCameraInfo(const StereoCalibration& calibration, doubl
 }
 
 }  // namespace
-
-double disparityStep(const DisparityRange& range, const RefinementOptions& options) {
-  if (!options.subpixel && options.bilateral_sigma_px == 0) {
-    return 1;
-  }
-  const auto largest = static_cast<float>(std::max(std::abs(range.min), std::abs(range.max())));
-  return std::nextafter(largest, std::numeric_limits<float>::infinity()) - largest;
-}
 
 stereo_msgs::DisparityImage toDisparityImage(const StereoResult& result,
                                              const StereoGeometry& geometry, double delta_d,
@@ -88,13 +76,7 @@ stereo_msgs::DisparityImage toDisparityImage(const StereoResult& result,
 }
 
 cv::Mat toValidDisparity(const StereoResult& result, const StereoGeometry& geometry) {
-  cv::Mat_<float> valid = result.disparity.clone();
-  for (float& disparity : valid) {
-    disparity = disparity == result.range.invalid()
-                    ? kNone
-                    : static_cast<float>(disparity - geometry.disparity_offset_px);
-  }
-  return valid;
+  return toValidDisparity(result.disparity, result.range.invalid(), geometry.disparity_offset_px);
 }
 
 cv::Mat toValidDisparity(const stereo_msgs::DisparityImage& message, const std::string& topic) {
@@ -109,12 +91,12 @@ cv::Mat toValidDisparity(const stereo_msgs::DisparityImage& message, const std::
 
 sensor_msgs::Image toDepthImage(const StereoResult& result, const StereoGeometry& geometry,
                                 const std_msgs::Header& header) {
-  return toMessage(toDepth(result, geometry), encodings::TYPE_32FC1, header);
+  return toMessage(depthOf(result, geometry), encodings::TYPE_32FC1, header);
 }
 
 sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeometry& geometry,
                                    const std_msgs::Header& header) {
-  const cv::Mat_<float> depth = toDepth(result, geometry);
+  const cv::Mat_<float> depth = depthOf(result, geometry);
   cv::Mat_<std::uint16_t> raw(depth.size());
   std::transform(depth.begin(), depth.end(), raw.begin(), [](float metres) {
     const double millimetres = std::round(metres * 1000.0);

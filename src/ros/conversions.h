@@ -8,14 +8,14 @@
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 
-#include "ros/geometry.h"
+#include "ros/camera_info.h"
 #include "ros/image_conversion.h"
 #include "ros/input_messages.h"
 #include "ros/point_cloud.h"
 
 #include "cbmv_stereo/io/calibration.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/rectification/offset_source.h"
 #include <cbmv_stereo/Rectification.h>
 #include <cbmv_stereo/Status.h>
 
@@ -23,10 +23,6 @@
 // core's types and back.
 
 namespace cbmv {
-
-/// Smallest step between two disparities that `options` can give, in pixels: 1 if they are whole
-/// pixels, else the spacing of float at the largest disparity of `range`.
-double disparityStep(const DisparityRange& range, const RefinementOptions& options);
 
 /// Conventions of stereo_image_proc: image 32FC1, f and T as in StereoGeometry, max_disparity the
 /// largest that is tested. Published disparities, min_disparity and max_disparity are the matcher's
@@ -82,13 +78,6 @@ struct NodeState {
 
 cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
                              const std_msgs::Header& header);
-
-/// What is known of how far the rows of the images are apart.
-struct RectificationState {
-  bool is_watched = false;                ///< false: the parameter refine_rectification is
-  VerticalOffsetMeasurement measurement;  ///< the newest; matches = 0: none yet
-  double age_s = 0;                       ///< since the pair that was measured came
-};
 
 cbmv_stereo::Rectification toRectification(const RectificationState& state,
                                            const StereoResult& result,

@@ -4,26 +4,54 @@
 #include <cctype>
 #include <cstdint>
 #include <limits>
-#include <vector>
+#include <optional>
 
 #include <boost/make_shared.hpp>
 #include <cv_bridge/cv_bridge.h>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include "ros/camera_info.h"
+
+#include "cbmv_stereo/input/gray_pair.h"
+
 namespace cbmv {
 namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
+/// Order of the bytes of YUV 4:2:2.
+enum class Yuv { kUyvy, kYuyv };
+
+/// By all names that drivers and later releases of ROS use; none for other encodings.
+std::optional<Yuv> yuvOrder(std::string encoding) {
+  std::transform(encoding.begin(), encoding.end(), encoding.begin(),
+                 [](unsigned char letter) { return std::tolower(letter); });
+  for (const char* name : {"yuv422", "uyvy", "yuv422_uyvy", "uyvy422"}) {
+    if (encoding == name) {
+      return Yuv::kUyvy;
+    }
+  }
+  for (const char* name : {"yuyv", "yuy2", "yuv422_yuy2", "yuv422_yuyv", "yuyv422"}) {
+    if (encoding == name) {
+      return Yuv::kYuyv;
+    }
+  }
+  return std::nullopt;
+}
+
 std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& topic) {
+  if (yuvOrder(message.encoding)) {
+    return 2;
+  }
   try {
     return static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8 *
            static_cast<std::size_t>(encodings::numChannels(message.encoding));
   } catch (const std::runtime_error&) {
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding " + quoted(message.encoding) +
-                         ", which is unknown; mono8 or a colour encoding would be right");
+                     topic + " has the unknown encoding " + quoted(message.encoding) +
+                         ". Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. "
+                         "Set the encoding in the driver.");
   }
 }
 
@@ -65,91 +93,51 @@ boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& m
   return swapped;
 }
 
-bool isPlainGrey(const std::string& encoding) {
-  return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
+/// Plain channels, which cv_bridge takes for no image of light: drivers that set no color encoding.
+bool isPlain(const std::string& encoding) {
+  for (const std::string& plain : {encodings::TYPE_8UC1, encodings::TYPE_16UC1,
+                                   encodings::TYPE_8UC3, encodings::TYPE_16UC3,
+                                   encodings::TYPE_8UC4, encodings::TYPE_16UC4}) {
+    if (encoding == plain) {
+      return true;
+    }
+  }
+  return false;
 }
 
-/// The pixels as grey or as blue, green, red, with the 8 or 16 bits that they have. Exceptions of
-/// cv_bridge are made InputError. `owner` keeps memory that is shared.
-cv::Mat decode(const sensor_msgs::Image& message, const boost::shared_ptr<const void>& owner,
-               bool color, const std::string& topic) {
-  checkImage(message, topic);
-  const bool deep = encodings::bitDepth(message.encoding) == 16;
-  if (message.is_bigendian != 0 && deep) {
+cv::Mat decodeYuv(const sensor_msgs::Image& message, Yuv order, bool color) {
+  const cv::Mat yuv(static_cast<int>(message.height), static_cast<int>(message.width), CV_8UC2,
+                    const_cast<std::uint8_t*>(message.data.data()), message.step);
+  cv::Mat decoded;
+  if (color) {
+    cv::cvtColor(yuv, decoded,
+                 order == Yuv::kUyvy ? cv::COLOR_YUV2BGR_UYVY : cv::COLOR_YUV2BGR_YUY2);
+  } else {
+    cv::extractChannel(yuv, decoded, order == Yuv::kUyvy ? 1 : 0);
+  }
+  return decoded;
+}
+
+/// The encoding that cv_bridge is asked for: mosaics become gray at once where no color is wanted.
+std::string targetEncoding(const std::string& encoding, bool color) {
+  const bool deep = encodings::bitDepth(encoding) == 16;
+  return color || encodings::isColor(encoding) ? (deep ? encodings::BGR16 : encodings::BGR8)
+                                               : (deep ? encodings::MONO16 : encodings::MONO8);
+}
+
+cv::Mat decodeChecked(const sensor_msgs::Image& message,
+                      const boost::shared_ptr<const void>& owner, bool color) {
+  if (const std::optional<Yuv> order = yuvOrder(message.encoding)) {
+    return decodeYuv(message, *order, color);
+  }
+  if (message.is_bigendian != 0 && encodings::bitDepth(message.encoding) == 16) {
     const auto swapped = toLittleEndian(message);
-    return decode(*swapped, swapped, color, topic).clone();
+    return decodeChecked(*swapped, swapped, color).clone();
   }
-  const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
-                                     : (deep ? encodings::MONO16 : encodings::MONO8);
-  try {
-    if (isPlainGrey(message.encoding)) {  // cv_bridge takes them for no image of light
-      const cv::Mat grey = cv_bridge::toCvShare(message, owner)->image;
-      cv::Mat bgr;
-      if (color) {
-        cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
-      }
-      return color ? bgr : grey;
-    }
-    return cv_bridge::toCvShare(message, owner, encoding)->image;
-  } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding " + quoted(message.encoding) +
-                         ", which cannot be converted to " + encoding + ": " + error.what());
+  if (isPlain(message.encoding)) {
+    return cv_bridge::toCvShare(message, owner)->image;
   }
-}
-
-/// Linear map from 16 bits to 8.
-struct Stretch {
-  double scale;
-  double shift;
-
-  cv::Mat apply(const cv::Mat& image) const {
-    cv::Mat stretched;
-    image.convertTo(stretched, CV_8U, scale, shift);
-    return stretched;
-  }
-};
-
-/// The level that `share` of all values in `counts` do not exceed.
-int quantile(const std::vector<std::size_t>& counts, double share) {
-  std::size_t all = 0;
-  for (const std::size_t count : counts) {
-    all += count;
-  }
-  std::size_t below = 0;
-  std::size_t level = 0;
-  while (level + 1 < counts.size() &&
-         static_cast<double>(below += counts[level]) <= share * static_cast<double>(all)) {
-    ++level;
-  }
-  return static_cast<int>(level);
-}
-
-/// Outliers (hot pixels, lamps) must not take the levels of the rest.
-Stretch findStretch(const std::vector<cv::Mat>& images) {
-  const double outlier_share = 0.001;
-  std::vector<std::size_t> counts(1 << 16, 0);
-  for (const cv::Mat& image : images) {
-    const cv::Mat_<std::uint16_t> values = image.reshape(1);
-    for (const std::uint16_t value : values) {
-      ++counts[value];
-    }
-  }
-  const int black = quantile(counts, outlier_share);
-  const int white = quantile(counts, 1 - outlier_share);
-  const double scale = white > black ? 255.0 / (white - black) : 0.0;
-  return {scale, -scale * black};
-}
-
-bool isDeep(const cv::Mat& image) { return image.depth() == CV_16U; }
-
-GreyPair toEightBits(const cv::Mat& left, const cv::Mat& right) {
-  if (isDeep(left) && isDeep(right)) {
-    const Stretch stretch = findStretch({left, right});
-    return {stretch.apply(left), stretch.apply(right)};
-  }
-  return {isDeep(left) ? findStretch({left}).apply(left) : left,
-          isDeep(right) ? findStretch({right}).apply(right) : right};
+  return cv_bridge::toCvShare(message, owner, targetEncoding(message.encoding, color))->image;
 }
 
 void checkFrameIds(const StereoMessages& messages, const std::string& both) {
@@ -164,10 +152,6 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
 }
 
 }  // namespace
-
-std::string sizeText(cv::Size size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height) + " px";
-}
 
 std::string quoted(const std::string& text) {
   constexpr std::size_t kLongest = 60;
@@ -188,32 +172,73 @@ cv::Size imageSize(const sensor_msgs::Image& message) {
   return toSize(message.width, message.height);
 }
 
-GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
-                    bool allow_different_frame_ids) {
+cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<const void>& owner,
+                    bool color, const std::string& topic) {
+  checkImage(message, topic);
+  try {
+    return decodeChecked(message, owner, color);
+  } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
+    throw InputError(InputFault::kUnsupportedEncoding,
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", which cannot be converted to " + (color ? "color" : "gray") + ": " +
+                         error.what());
+  }
+}
+
+std::string encodingWarning(const std::string& encoding, const std::string& topic) {
+  if (!isPlain(encoding) || encodings::numChannels(encoding) == 1) {
+    return {};
+  }
+  return topic + " has the encoding " + quoted(encoding) +
+         ", which does not tell the order of colors; blue, green, red is assumed. Set bgr8 or rgb8 "
+         "in the driver.";
+}
+
+StereoInput toStereoInput(const StereoMessages& messages, const StereoTopics& topics,
+                          bool allow_different_frame_ids) {
   const sensor_msgs::Image& left = *messages.left_image;
   const sensor_msgs::Image& right = *messages.right_image;
-  const cv::Mat left_grey = decode(left, messages.left_image, false, topics.left_image);
-  const cv::Mat right_grey = decode(right, messages.right_image, false, topics.right_image);
-  const std::string both = topics.left_image + " and " + topics.right_image;
-  if (imageSize(left) != imageSize(right)) {
-    throw InputError(InputFault::kDifferentSizes,
-                     both + " differ in size (" + sizeText(imageSize(left)) + " and " +
-                         sizeText(imageSize(right)) + "); a rectified pair has one size");
-  }
+  StereoInput input;
+  input.names = topics;
+  input.left = decodeImage(left, messages.left_image, false, topics.left_image);
+  input.right = decodeImage(right, messages.right_image, false, topics.right_image);
   if (!allow_different_frame_ids) {
-    checkFrameIds(messages, both);
+    checkFrameIds(messages, topics.left_image + " and " + topics.right_image);
   }
-  return toEightBits(left_grey, right_grey);
+  input.cameras = {toCameraCalibration(*messages.left_info),
+                   toCameraCalibration(*messages.right_info)};
+  for (const std::string& warning : {encodingWarning(left.encoding, topics.left_image),
+                                     encodingWarning(right.encoding, topics.right_image)}) {
+    if (!warning.empty()) {
+      input.warnings.push_back(warning);
+    }
+  }
+  return input;
 }
 
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size) {
-  const cv::Mat color = decode(message, nullptr, true, topic);
+  const cv::Mat color = decodeImage(message, nullptr, true, topic);
   if (imageSize(message) != size) {
     throw InputError(InputFault::kDifferentSizes, topic + " has " + sizeText(imageSize(message)) +
                                                       ", the rectified pair " + sizeText(size) +
                                                       "; they have to be the same");
   }
-  return isDeep(color) ? findStretch({color}).apply(color) : color.clone();
+  return toColor8(color).clone();
+}
+
+cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string& topic,
+                     const cv::Mat& left_gray,
+                     const std::function<void(const std::string&)>& report) {
+  if (image) {
+    try {
+      return toColor(*image, topic, left_gray.size());
+    } catch (const InputError& error) {
+      if (report) {
+        report(error.what());
+      }
+    }
+  }
+  return toColor8(left_gray);
 }
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {

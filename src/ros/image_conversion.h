@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -8,26 +9,38 @@
 
 #include "ros/input_messages.h"
 
+#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/input/stereo_input.h"
+
 // Images of messages as matrices and back.
 
 namespace cbmv {
 
-/// The pair as CV_8UC1. May share the messages' memory: they have to live as long.
-struct GreyPair {
-  cv::Mat left;
-  cv::Mat right;
-};
+/// The pixels with the 8 or 16 bits that they have: CV_8U or CV_16U, with one channel (gray), three
+/// (blue, green, red) or four (and alpha). From mono, color, Bayer, YUV 4:2:2 (UYVY and YUYV) and
+/// plain (8UC1, 16UC1, 8UC3, …) encodings. Bayer and YUV images become color where `color` is set,
+/// else gray. May share the memory of the message, which `owner` keeps. Throws InputError.
+cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<const void>& owner,
+                    bool color, const std::string& topic);
 
-/// Checks both images and converts them to grey, from mono, colour, Bayer and YUV 4:2:2 images of 8
-/// or 16 bits; both need not have the same encoding. 16-bit images are stretched to 8 bits: all
-/// levels between the darkest and the brightest 0.1 % of the pixels (of both images where both have
-/// 16 bits) are kept apart as far as 256 levels can. Throws InputError.
-GreyPair toGreyPair(const StereoMessages& messages, const StereoTopics& topics,
-                    bool allow_different_frame_ids);
+/// One sentence if the encoding does not tell the order of the colors (8UC3); else empty.
+std::string encodingWarning(const std::string& encoding, const std::string& topic);
 
-/// Image in colour, CV_8UC3 in the order blue, green, red, from the encodings of toGreyPair. Throws
-/// InputError for other encodings, and for other sizes than `size`.
+/// What the method takes, from messages. May share the messages' memory: they have to live as long.
+/// Throws InputError if an image is malformed or its encoding unknown, or if frame_ids differ and
+/// must not.
+StereoInput toStereoInput(const StereoMessages& messages, const StereoTopics& topics,
+                          bool allow_different_frame_ids);
+
+/// Image in color, CV_8UC3 in the order blue, green, red; a copy. Throws InputError for encodings
+/// that decodeImage does not take, and for other sizes than `size`.
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size);
+
+/// Colors of the cloud: those of `image`, or of `left_gray` (CV_8UC1) where that is null or cannot
+/// be used, which `report` (may be empty) is told.
+cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string& topic,
+                     const cv::Mat& left_gray,
+                     const std::function<void(const std::string&)>& report);
 
 /// A 32FC1 image as CV_32FC1. May share the message's memory. Throws InputError for other encodings
 /// and malformed images.
@@ -42,7 +55,6 @@ sensor_msgs::Image toMessage(const cv::Mat& image, const std::string& encoding,
 /// Text that somebody else wrote, for people: in quotes, without control characters, not too long.
 std::string quoted(const std::string& text);
 
-std::string sizeText(cv::Size size);
 /// Numbers beyond the range of int are its largest.
 cv::Size toSize(std::uint32_t width, std::uint32_t height);
 cv::Size imageSize(const sensor_msgs::Image& message);

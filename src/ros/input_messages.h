@@ -1,11 +1,9 @@
 #pragma once
 
-#include <string>
-
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
-#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/input/input_error.h"
 
 namespace cbmv {
 
@@ -18,34 +16,6 @@ struct StereoMessages {
 };
 
 /// Resolved topic names of the inputs, for messages to people.
-struct StereoTopics {
-  std::string left_image;
-  std::string left_info;
-  std::string right_image;
-  std::string right_info;
-};
-
-/// What is wrong with a set of input messages.
-enum class InputFault {
-  kEmptyImage,
-  kUnsupportedEncoding,
-  kTruncatedImage,
-  kDifferentFrameIds,
-  kDifferentSizes,
-  kUncalibrated,
-  kCameraInfoSize,
-  kDisparityRange,
-  kMemory,
-};
-
-/// Input messages that cannot be used; the sentence names the topic.
-class InputError : public Error {
- public:
-  InputError(InputFault fault, const std::string& sentence) : Error(sentence), fault_(fault) {}
-  InputFault fault() const { return fault_; }
-
- private:
-  InputFault fault_;
-};
+using StereoTopics = InputNames;
 
 }  // namespace cbmv

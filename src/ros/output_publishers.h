@@ -10,7 +10,8 @@
 #include <ros/ros.h>
 
 #include "ros/conversions.h"
-#include "ros/stereo_processor.h"
+
+#include "cbmv_stereo/pipeline/frame_processor.h"
 
 namespace cbmv {
 

@@ -6,6 +6,8 @@
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "cbmv_stereo/output/points.h"
+
 namespace cbmv {
 namespace {
 
@@ -60,15 +62,11 @@ bool isInside(double z, const CloudOptions& options) {
 }
 
 /// Point of pixel (x, y) in metres; NaN if it has no disparity or is outside of the limits.
-cv::Vec3f toPoint(const StereoGeometry& geometry, const CloudOptions& options, int x, int y,
-                  float disparity_px) {
-  const double z = geometry.focal_length_px * geometry.baseline_m / disparity_px;
-  if (!(disparity_px > 0) || !isInside(z, options)) {
-    return cv::Vec3f::all(std::numeric_limits<float>::quiet_NaN());
-  }
-  return {static_cast<float>((x - geometry.left_cx_px) * z / geometry.left_fx_px),
-          static_cast<float>((y - geometry.left_cy_px) * z / geometry.left_fy_px),
-          static_cast<float>(z)};
+cv::Vec3f toPointInside(const StereoGeometry& geometry, const CloudOptions& options, int x, int y,
+                        float disparity_px) {
+  const cv::Vec3f point = toPoint(geometry, x, y, disparity_px);
+  return isInside(point[2], options) ? point
+                                     : cv::Vec3f::all(std::numeric_limits<float>::quiet_NaN());
 }
 
 }  // namespace
@@ -83,7 +81,7 @@ sensor_msgs::PointCloud2 toPointCloud(const CloudSource& source, const StereoGeo
     const auto* disparity = source.disparity.ptr<float>(y);
     const auto* color = source.color.ptr<cv::Vec3b>(y);
     for (int x = 0; x < size.width; ++x, bytes += layout.point_step) {
-      const cv::Vec3f point = toPoint(geometry, options, x, y, disparity[x]);
+      const cv::Vec3f point = toPointInside(geometry, options, x, y, disparity[x]);
       std::memcpy(bytes, point.val, sizeof(point.val));
       std::memcpy(bytes + layout.rgb, color[x].val, sizeof(color[x].val));
       if (options.with_confidence) {

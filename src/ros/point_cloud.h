@@ -5,8 +5,7 @@
 #include <opencv2/core.hpp>
 #include <sensor_msgs/PointCloud2.h>
 
-#include "ros/geometry.h"
-
+#include "cbmv_stereo/input/calibration_check.h"
 #include "cbmv_stereo/io/ply.h"
 
 namespace cbmv {

@@ -115,12 +115,10 @@ sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messa
 }
 
 cv::Mat PointCloudNodelet::colorOf(const CloudMessages& messages, cv::Size size) {
-  try {
-    return toColor(*messages.color, topics_[0], size);
-  } catch (const InputError& error) {
-    warn(kColorUnusable, std::string(error.what()) + "; the cloud stays white");
-    return cv::Mat(size, CV_8UC3, cv::Scalar::all(255));
-  }
+  const cv::Mat white(size, CV_8UC1, cv::Scalar(255));
+  return toCloudColor(messages.color, topics_[0], white, [this](const std::string& reason) {
+    warn(kColorUnusable, reason + "; the cloud stays white");
+  });
 }
 
 void PointCloudNodelet::warn(int cause, const std::string& sentence) {

@@ -26,7 +26,7 @@ constexpr const char* kIdle = "idle: nobody subscribes to an output";
 std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px) {
   const VerticalOffsetMeasurement& measurement = frame.rectification.measurement;
   const VerticalOffset& model = measurement.model;
-  const double rms_px = model.rootMeanSquare(frame.left_grey.size());
+  const double rms_px = model.rootMeanSquare(frame.left_gray.size());
   if (model.matches == 0 || limit_px == 0 || rms_px <= limit_px) {
     return {};
   }
@@ -128,13 +128,14 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.processed;
   results_.add(now, frame.result.times.total_ms);
-  newest_ = Newest{frame.left_grey.size(),
+  newest_ = Newest{frame.left_gray.size(),
                    frame.geometry,
                    frame.result.times,
                    frame.memory_mb,
                    frame.rectification,
                    !frame.result.rectification.isZero(),
-                   misalignmentWarning(frame, limits_.vertical_offset_px)};
+                   misalignmentWarning(frame, limits_.vertical_offset_px),
+                   frame.warnings};
   if (fault_) {
     fault_->is_refusal = false;
   }
@@ -213,6 +214,8 @@ void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now)
     status.summary(DiagnosticStatus::ERROR, fault_->sentence);
   } else if (!newest_) {
     status.summary(DiagnosticStatus::OK, "no pair of images yet");
+  } else if (!newest_->warnings.empty()) {
+    status.summary(DiagnosticStatus::WARN, newest_->warnings.front());
   } else {
     status.summary(DiagnosticStatus::OK,
                    "focal length " + number(newest_->geometry.focal_length_px, 1) +
@@ -223,6 +226,9 @@ void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now)
     status.add("focal length (px)", number(newest_->geometry.focal_length_px, 2));
     status.add("baseline (m)", number(newest_->geometry.baseline_m, 5));
     status.add("disparity at infinity (px)", number(newest_->geometry.disparity_offset_px, 2));
+    for (std::size_t i = 0; i < newest_->warnings.size(); ++i) {
+      status.add("warning " + std::to_string(i + 1), newest_->warnings[i]);
+    }
   }
   status.add("last fault", fault_ ? fault_->sentence : std::string("none"));
   if (fault_) {

@@ -5,13 +5,15 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/time.h>
 
 #include "ros/conversions.h"
-#include "ros/stereo_processor.h"
+
+#include "cbmv_stereo/pipeline/frame_processor.h"
 
 namespace cbmv {
 
@@ -91,6 +93,7 @@ class StereoDiagnostics {
     RectificationState rectification;
     bool is_corrected = false;
     std::string misalignment;
+    std::vector<std::string> warnings;  ///< of input and calibration
   };
   struct Fault {
     std::string sentence;

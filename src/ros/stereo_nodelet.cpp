@@ -5,7 +5,6 @@
 #include <thread>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/cloud_parameters.h"
@@ -24,7 +23,7 @@ constexpr double kWatchPeriodS = 0.25;
 constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
-enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps };
+enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps, kDoubtfulInput };
 
 StereoTopics toTopics(const std::array<std::string, 4>& names) {
   return {names[0], names[1], names[2], names[3]};
@@ -60,8 +59,8 @@ void StereoNodelet::initialize() {
   options_ = readOptions(parameters);
   threads_ = options_.threads > 0 ? options_.threads
                                   : static_cast<int>(std::thread::hardware_concurrency());
-  processor_ = std::make_unique<StereoProcessor>(loadForest(parameters), options_,
-                                                 parameters.get<bool>("allow_different_frame_ids"));
+  allow_different_frame_ids_ = parameters.get<bool>("allow_different_frame_ids");
+  processor_ = std::make_unique<FrameProcessor>(loadForest(parameters), options_);
   openDiagnostics(parameters);
   offerConfig();
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
@@ -234,16 +233,11 @@ void StereoNodelet::receive(const StereoMessages& frame) {
 
 void StereoNodelet::work(const StereoMessages& frame) {
   try {
-    const ProcessedFrame processed = processor_->process(frame, topics_);
+    const PreparedPair pair =
+        processor_->prepare(toStereoInput(frame, topics_, allow_different_frame_ids_));
+    const ProcessedFrame processed = processor_->match(pair, offset_);
     diagnostics_->processed(processed, ros::SteadyTime::now());
-    if (!processed.range_correction.empty()) {
-      warn(kRangeClipped, processed.range_correction);
-    }
-    const std::string misalignment =
-        misalignmentWarning(processed, diagnostics_->limits().vertical_offset_px);
-    if (!misalignment.empty() && misalignment_throttle_.isDue(kMisaligned)) {
-      NODELET_WARN_STREAM(misalignment);
-    }
+    warnOf(processed);
     const std_msgs::Header& header = frame.left_image->header;
     outputs_->publish({header, processed, [&] { return colorOf(frame, processed); },
                        [&] { return stateAt(header.stamp); }});
@@ -255,17 +249,28 @@ void StereoNodelet::work(const StereoMessages& frame) {
   }
 }
 
-cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
-  if (const auto image = colors_->find(frame.left_image->header.stamp, colorPatience())) {
-    try {
-      return toColor(*image, color_topic_, processed.left_grey.size());
-    } catch (const InputError& error) {
-      warn(kColorUnusable, std::string(error.what()) + "; the cloud stays grey");
+/// The rig's faults are logged seldom, as they stay: the diagnostics hold them all the time.
+void StereoNodelet::warnOf(const ProcessedFrame& processed) {
+  if (!processed.range_correction.empty()) {
+    warn(kRangeClipped, processed.range_correction);
+  }
+  const std::string misalignment =
+      misalignmentWarning(processed, diagnostics_->limits().vertical_offset_px);
+  if (!misalignment.empty() && rig_throttle_.isDue(kMisaligned)) {
+    NODELET_WARN_STREAM(misalignment);
+  }
+  if (!processed.warnings.empty() && rig_throttle_.isDue(kDoubtfulInput)) {
+    for (const std::string& warning : processed.warnings) {
+      NODELET_WARN_STREAM(warning);
     }
   }
-  cv::Mat grey;
-  cv::cvtColor(processed.left_grey, grey, cv::COLOR_GRAY2BGR);
-  return grey;
+}
+
+cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
+  const auto image = colors_->find(frame.left_image->header.stamp, colorPatience());
+  return toCloudColor(image, color_topic_, processed.left_gray, [this](const std::string& reason) {
+    warn(kColorUnusable, reason + "; the cloud stays gray");
+  });
 }
 
 std::chrono::milliseconds StereoNodelet::colorPatience() {

@@ -17,15 +17,15 @@
 #include "ros/output_publishers.h"
 #include "ros/private_parameters.h"
 #include "ros/stereo_diagnostics.h"
-#include "ros/stereo_processor.h"
 #include "ros/warning_throttle.h"
 
+#include "cbmv_stereo/pipeline/frame_processor.h"
 #include "cbmv_stereo/pipeline/frame_worker.h"
 #include <cbmv_stereo/StereoConfig.h>
 
 namespace cbmv {
 
-/// Wires topics and parameters to StereoProcessor; docs/ros.md lists them.
+/// Wires topics and parameters to FrameProcessor; docs/ros.md lists them.
 ///
 /// Inputs are subscribed only while an output has a subscriber, and each output is built only while
 /// it has one itself. Callbacks only hand frames over to the worker's thread, which converts,
@@ -59,6 +59,7 @@ class StereoNodelet : public nodelet::Nodelet {
 
   // In the worker's thread
   void work(const StereoMessages& frame);
+  void warnOf(const ProcessedFrame& processed);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
   /// How long a colour image may come after the pair is matched.
   std::chrono::milliseconds colorPatience();
@@ -70,7 +71,9 @@ class StereoNodelet : public nodelet::Nodelet {
 
   std::string forest_name_;
   int threads_ = 0;
-  std::unique_ptr<StereoProcessor> processor_;
+  std::unique_ptr<FrameProcessor> processor_;
+  FollowedOffset offset_;  ///< of the worker's thread
+  bool allow_different_frame_ids_ = true;
   StereoTopics topics_;
   std::string color_topic_;
 
@@ -94,7 +97,7 @@ class StereoNodelet : public nodelet::Nodelet {
   std::unique_ptr<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>> config_server_;
 
   WarningThrottle throttle_{5.0};
-  WarningThrottle misalignment_throttle_{60.0};
+  WarningThrottle rig_throttle_{60.0};
   std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stops first
 };
 

@@ -13,7 +13,7 @@
 
 #include "offline/frame_outputs.h"
 #include "recording.h"
-#include "ros/stereo_processor.h"
+#include "ros/conversions.h"
 #include "support/error_text.h"
 
 namespace cbmv {
@@ -27,8 +27,9 @@ class ConversionTest : public testing::Test {
     return convertBags(options, forest_, {});
   }
   ProcessedFrame processLive(const PairMessages& messages) {
-    StereoProcessor processor(forest_, options_.matching.stereo, false);
-    return processor.process(messages.asConst(), {});
+    FrameProcessor processor(forest_, options_.matching.stereo);
+    FollowedOffset offset;
+    return processor.match(processor.prepare(toStereoInput(messages.asConst(), {}, false)), offset);
   }
   std::string disparityLive(const PairMessages& messages) {
     const ProcessedFrame frame = processLive(messages);
@@ -59,7 +60,7 @@ TEST_F(ConversionTest, WritesWhatTheLiveNodePublishes) {
     const ProcessedFrame frame = processLive(messages);
     const std_msgs::Header& header = messages.left_image->header;
     cv::Mat color;
-    cv::cvtColor(frame.left_grey, color, cv::COLOR_GRAY2BGR);
+    cv::cvtColor(frame.left_gray, color, cv::COLOR_GRAY2BGR);
     const CloudSource cloud{toValidDisparity(frame.result, frame.geometry), color, {}};
     const std::map<std::string, std::string> expected = {
         {"/stereo/disparity", disparityLive(messages)},

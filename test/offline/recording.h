@@ -11,7 +11,7 @@
 #include <rosbag/view.h>
 
 #include "offline/conversion.h"
-#include "ros/forest_fixture.h"
+#include "support/forest_fixture.h"
 #include "ros/stereo_pair.h"
 #include "support/temporary_folder.h"
 

@@ -36,9 +36,13 @@ void expectInputError(const Call& call, InputFault fault, const std::vector<std:
   }
 }
 
+GrayPair grayPairOf(const PairMessages& messages, bool allow_different_frame_ids = false) {
+  return toGrayPair(toStereoInput(messages.asConst(), kTopics, allow_different_frame_ids));
+}
+
 void expectBadPair(const PairMessages& messages, InputFault fault,
                    const std::vector<std::string>& words) {
-  expectInputError([&] { toGreyPair(messages.asConst(), kTopics, false); }, fault, words);
+  expectInputError([&] { grayPairOf(messages); }, fault, words);
 }
 
 StereoGeometry geometryOf(const PairMessages& messages) {
@@ -53,7 +57,7 @@ void expectBadInfo(const PairMessages& messages, InputFault fault,
 TEST(GreyPair, KeepsMono8) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   const PairMessages messages = goodMessages();
-  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  const GrayPair grey = grayPairOf(messages);
   EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0);
 }
@@ -65,7 +69,7 @@ TEST(GreyPair, ReadsRowsWithPadding) {
   cv::copyMakeBorder(pair.left, padded, 0, 0, 0, 5, cv::BORDER_CONSTANT, 99);
   messages.left_image = makeImage(padded, "mono8", messages.left_image->header);
   messages.left_image->width = kSize.width;
-  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  const GrayPair grey = grayPairOf(messages);
   EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
 }
 
@@ -80,7 +84,7 @@ TEST(GreyPair, ConvertsColour) {
     cv::cvtColor(pair.right, right, code);
     messages.left_image = makeImage(left, encoding, messages.left_image->header);
     messages.right_image = makeImage(right, encoding, messages.right_image->header);
-    const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+    const GrayPair grey = grayPairOf(messages);
     EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0) << encoding;
     EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0) << encoding;
   }
@@ -93,22 +97,48 @@ TEST(GreyPair, TakesImagesOfDifferentEncodings) {
   cv::Mat right;
   cv::cvtColor(pair.right, right, cv::COLOR_GRAY2RGB);
   messages.right_image = makeImage(right, "rgb8", messages.right_image->header);
-  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  const GrayPair grey = grayPairOf(messages);
   EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ConvertsYuv) {
-  PairMessages messages = goodMessages();
+TEST(GreyPair, ConvertsYuvUnderAllItsNames) {
   const cv::Size even(36, 23);
-  cv::Mat uyvy(even, CV_8UC2);
-  cv::randu(uyvy, 0, 256);
-  messages.left_image = makeImage(uyvy, "yuv422", messages.left_image->header);
-  messages.right_image = makeImage(uyvy, "yuv422", messages.right_image->header);
-  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
-  cv::Mat luma;
-  cv::extractChannel(uyvy, luma, 1);
-  EXPECT_EQ(cv::norm(grey.left, luma, cv::NORM_INF), 0);
+  cv::Mat packed(even, CV_8UC2);
+  cv::randu(packed, 0, 256);
+  for (const auto& [encoding, luma_channel] :
+       {std::pair("yuv422", 1), std::pair("uyvy", 1), std::pair("UYVY", 1),
+        std::pair("yuv422_yuy2", 0), std::pair("yuyv", 0), std::pair("YUYV", 0),
+        std::pair("yuy2", 0)}) {
+    SCOPED_TRACE(encoding);
+    PairMessages messages = goodMessages();
+    messages.left_image = makeImage(packed, encoding, messages.left_image->header);
+    messages.right_image = makeImage(packed, encoding, messages.right_image->header);
+    cv::Mat luma;
+    cv::extractChannel(packed, luma, luma_channel);
+    EXPECT_EQ(cv::norm(grayPairOf(messages).left, luma, cv::NORM_INF), 0);
+    cv::Mat bgr;
+    cv::cvtColor(packed, bgr,
+                 luma_channel == 1 ? cv::COLOR_YUV2BGR_UYVY : cv::COLOR_YUV2BGR_YUY2);
+    EXPECT_EQ(cv::norm(toColor(*messages.left_image, "/color", even), bgr, cv::NORM_INF), 0);
+  }
+}
+
+/// What cv_bridge writes in Python where no encoding is given.
+TEST(GreyPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
+  PairMessages messages = goodMessages();
+  EXPECT_TRUE(toStereoInput(messages.asConst(), kTopics, false).warnings.empty());
+  const cv::Mat color(kSize, CV_8UC3, cv::Scalar(10, 100, 200));
+  messages.left_image = makeImage(color, "bgr8", messages.left_image->header);
+  messages.right_image = makeImage(color, "8UC3", messages.right_image->header);
+  const StereoInput input = toStereoInput(messages.asConst(), kTopics, false);
+  const GrayPair gray = toGrayPair(input);
+  EXPECT_EQ(cv::norm(gray.left, gray.right, cv::NORM_INF), 0);
+  ASSERT_EQ(input.warnings.size(), 1U);
+  EXPECT_NE(input.warnings[0].find(kTopics.right_image + " has the encoding '8UC3'"),
+            std::string::npos);
+  EXPECT_EQ(toColor(*messages.right_image, "/color", kSize).at<cv::Vec3b>(2, 2),
+            cv::Vec3b(10, 100, 200));
 }
 
 /// A scene of one grey level seen through a Bayer mosaic whose green pixels are brighter.
@@ -131,7 +161,7 @@ TEST(GreyPair, ConvertsBayer) {
     PairMessages messages = goodMessages();
     messages.left_image = makeImage(mosaic, encoding, messages.left_image->header);
     messages.right_image = makeImage(mosaic, encoding, messages.right_image->header);
-    const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+    const GrayPair grey = grayPairOf(messages);
     const cv::Rect dark(2, 2, kSize.width / 2 - 5, kSize.height - 4);
     const cv::Rect bright(kSize.width / 2 + 4, 2, kSize.width / 2 - 6, kSize.height - 4);
     for (const cv::Rect& half : {dark, bright}) {  // no mosaic is left
@@ -156,7 +186,7 @@ TEST(GreyPair, SixteenBitsKeepTheirContrast) {
     PairMessages messages = goodMessages();
     messages.left_image = makeImage(left, encoding, messages.left_image->header);
     messages.right_image = makeImage(right, encoding, messages.right_image->header);
-    const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+    const GrayPair grey = grayPairOf(messages);
 
     std::vector<std::uint16_t> all(left.begin<std::uint16_t>(), left.end<std::uint16_t>());
     all.insert(all.end(), right.begin<std::uint16_t>(), right.end<std::uint16_t>());
@@ -186,7 +216,7 @@ TEST(GreyPair, OutliersDoNotTakeTheLevelsOfSixteenBits) {
   messages.left_image = makeImage(deep, "mono16", messages.left_image->header);
   cv::Scalar mean;
   cv::Scalar deviation;
-  cv::meanStdDev(toGreyPair(messages.asConst(), kTopics, false).left, mean, deviation);
+  cv::meanStdDev(grayPairOf(messages).left, mean, deviation);
   EXPECT_GT(deviation[0], 30);
 }
 
@@ -195,7 +225,7 @@ TEST(GreyPair, EvenSixteenBitImagesAreEven) {
   const cv::Mat even(kSize, CV_16UC1, cv::Scalar(1234));
   messages.left_image = makeImage(even, "mono16", messages.left_image->header);
   messages.right_image = makeImage(even, "mono16", messages.right_image->header);
-  const GreyPair grey = toGreyPair(messages.asConst(), kTopics, false);
+  const GrayPair grey = grayPairOf(messages);
   EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
 }
 
@@ -223,10 +253,10 @@ TEST(GreyPair, TakesBothOrdersOfBytes) {
       cv::randu(deep, 0, 65536);
       *image = makeImage(deep, encoding, (*image)->header);
     }
-    const GreyPair expected = toGreyPair(messages.asConst(), kTopics, false);
+    const GrayPair expected = grayPairOf(messages);
     messages.left_image = toBigEndian(*messages.left_image, 2);
     messages.right_image = toBigEndian(*messages.right_image, 2);
-    const GreyPair found = toGreyPair(messages.asConst(), kTopics, false);
+    const GrayPair found = grayPairOf(messages);
     EXPECT_EQ(cv::norm(found.left, expected.left, cv::NORM_INF), 0) << encoding;
     EXPECT_EQ(cv::norm(found.right, expected.right, cv::NORM_INF), 0) << encoding;
   }
@@ -248,7 +278,7 @@ TEST(GreyPair, RefusesWhatDiffers) {
   expectBadPair(
       messages, InputFault::kDifferentFrameIds,
       {kTopics.left_image, kTopics.right_image, "'left_camera'", "'right_camera'", "allow_"});
-  EXPECT_NO_THROW(toGreyPair(messages.asConst(), kTopics, true));
+  EXPECT_NO_THROW(grayPairOf(messages, true));
 }
 
 TEST(GreyPair, RefusesMalformedImages) {
@@ -357,7 +387,7 @@ TEST(Geometry, RefusesUnusableCameras) {
   for (const double tx : {0.0, 30.0}) {
     messages = goodMessages();
     messages.right_info->P[3] = tx;
-    expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]", "swapped"});
+    expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "one by one"});
   }
   messages = goodMessages();  // each may be, their quotient may not
   messages.right_info->P[0] = 1e-6;
@@ -501,17 +531,6 @@ TEST(DisparityImage, ValidWindowHoldsWhatWasFilledIn) {
   window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
   EXPECT_EQ(window.x_offset, 0U);
   EXPECT_EQ(window.width, 11U);
-}
-
-TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
-  RefinementOptions options;
-  options.subpixel = false;
-  options.bilateral_sigma_px = 0;
-  EXPECT_EQ(disparityStep({0, 64}, options), 1);
-  options.bilateral_sigma_px = 2;
-  EXPECT_EQ(disparityStep({0, 64}, options), std::ldexp(1.0, -18));  // floats from 32 to 64
-  options = RefinementOptions();
-  EXPECT_EQ(disparityStep({-100, 64}, options), std::ldexp(1.0, -17));
 }
 
 TEST(PointCloud, HasEveryField) {

@@ -34,7 +34,7 @@ void expectHolds(const std::string& text, const std::string& words) {
 
 ProcessedFrame makeFrame(double offset_px = 0) {
   ProcessedFrame frame;
-  frame.left_grey = cv::Mat(48, 64, CV_8UC1);
+  frame.left_gray = cv::Mat(48, 64, CV_8UC1);
   frame.geometry.focal_length_px = 700;
   frame.geometry.baseline_m = 0.12;
   frame.result.times = {1, 20, 30, 40, 5, 96};
@@ -174,6 +174,17 @@ TEST_F(Diagnostics, CalibrationTellsTheLastFaultAndWhen) {
   diagnostics_.dropped(FrameDrop::kFailed, "out of memory", at(7));  // not the input's fault
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeCalibration, 7).level,
             DiagnosticStatus::OK);
+}
+
+TEST_F(Diagnostics, CalibrationTellsWarnings) {
+  ProcessedFrame frame = makeFrame();
+  frame.warnings = {"the baseline is 100 m", "cy differs"};
+  diagnostics_.processed(frame, at(1));
+  const Report doubtful = report(diagnostics_, &StereoDiagnostics::describeCalibration, 1);
+  EXPECT_EQ(doubtful.level, DiagnosticStatus::WARN);
+  EXPECT_EQ(doubtful.message, "the baseline is 100 m");
+  EXPECT_EQ(doubtful.values.at("warning 1"), "the baseline is 100 m");
+  EXPECT_EQ(doubtful.values.at("warning 2"), "cy differs");
 }
 
 TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {

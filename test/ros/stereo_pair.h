@@ -76,6 +76,8 @@ inline sensor_msgs::CameraInfoPtr makeInfo(const Rig& rig, bool right, cv::Size 
              0,
              1,
              0};
+  info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info->K = {info->P[0], 0, info->P[2], 0, info->P[5], info->P[6], 0, 0, 1};
   return info;
 }
 

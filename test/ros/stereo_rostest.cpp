@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ros/forest_fixture.h"
+#include "support/forest_fixture.h"
 #include "ros/rostest_main.h"
 #include "ros/stereo_client.h"
 

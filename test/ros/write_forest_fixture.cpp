@@ -1,6 +1,6 @@
 // Writes the forest of forest_fixture.h: the node under test reads it when it is launched.
 
-#include "ros/forest_fixture.h"
+#include "support/forest_fixture.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 

@@ -1,4 +1,4 @@
-#include "ros/machine_memory.h"
+#include "cbmv_stereo/pipeline/machine_memory.h"
 
 #include <filesystem>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/points.h"
+#include "cbmv_stereo/output/points.h"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace cbmv {
 namespace {
 
-const StereoCalibration kRig{500, 3, 5, 1.5, 0.1, 7, 4, 16};  // doffs 2
+const StereoGeometry kRig{500, 0.1, -2, 500, 500, 3, 1.5};
 
 TEST(Points, DepthAndPlaceFollowTheFormula) {
   cv::RNG random(3);
@@ -20,8 +20,9 @@ TEST(Points, DepthAndPlaceFollowTheFormula) {
   disparity(3, 6) = -2;  // infinitely far
   disparity(0, 0) = 0;
 
-  const cv::Mat depth = toDepth(disparity, invalid, kRig);
-  const std::vector<ColoredPoint> points = toPoints(depth, color, kRig);
+  const cv::Mat valid = toValidDisparity(disparity, invalid, kRig.disparity_offset_px);
+  const cv::Mat depth = toDepth(valid, kRig);
+  const std::vector<ColoredPoint> points = toPoints(valid, color, kRig);
   std::size_t found = 0;
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 7; ++x) {

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/input/stereo_input.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/rectification/offset_source.h"
+
+namespace cbmv {
+
+/// A pair that only waits for the matcher.
+struct PreparedPair {
+  GrayPair images;
+  StereoGeometry geometry;  ///< all 0 without cameras
+  InputNames names;
+  std::vector<std::string> warnings;  ///< of input and calibration
+};
+
+/// What comes of one pair.
+struct ProcessedFrame {
+  cv::Mat left_gray;        ///< CV_8UC1; may share the memory of the input
+  StereoGeometry geometry;  ///< all 0 without cameras
+  StereoResult result;
+  double disparity_step_px = 0;  ///< see disparityStep
+  double memory_mb = 0;          ///< that the method holds for images of that size
+  RectificationState rectification;
+  std::vector<std::string> warnings;  ///< of input and calibration
+  std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
+};
+
+/// The one path from a pair and its calibration to disparities and geometry: node, bag tool and
+/// command line call it. Calibrations, range and memory are checked when the calibration, the size of
+/// the images or the options change.
+class FrameProcessor {
+ public:
+  /// Throws Error if the options are inconsistent.
+  FrameProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options);
+
+  /// From the next pair on; may be called while a pair is processed. The options have to be
+  /// consistent (correctOptions).
+  void setOptions(const StereoOptions& options);
+
+  /// From the next pair on, pixels of a lower confidence, in [0, 1], have no disparity. The
+  /// confidence itself stays. May be called while a pair is processed.
+  void setMinConfidence(float min_confidence) { min_confidence_ = min_confidence; }
+
+  /// Everything before matching; by several threads at once. Throws InputError that names the input
+  /// if the images or the calibration cannot be used.
+  PreparedPair prepare(const StereoInput& input) const;
+
+  /// The vertical offset of the pair by itself, with the options of the constructor or of the newest
+  /// setOptions; by several threads at once. Throws InputError if no disparity fits the images.
+  VerticalOffset estimateOffset(const PreparedPair& pair) const;
+
+  /// One pair at a time. Throws InputError if the images are too large, or no disparity fits them.
+  ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset);
+
+ private:
+  using Check = std::shared_ptr<const CalibrationCheck>;
+  struct CheckedCameras {
+    StereoCameras cameras;
+    cv::Size image_size;
+    RectifiedBy rectified_by = RectifiedBy::kOthers;
+    Check check;
+  };
+
+  Check checkCameras(const StereoInput& input) const;
+  StereoOptions wantedOptions() const;
+  void takeNewOptions();
+  void adaptTo(cv::Size image_size, const std::string& image_name);
+
+  StereoMatcher matcher_;
+  std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
+  std::string range_correction_;
+  double memory_mb_ = 0;
+  std::atomic<float> min_confidence_{0};
+
+  mutable std::mutex options_mutex_;  ///< of the next two
+  StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
+  bool options_are_new_ = false;
+
+  mutable std::mutex checked_mutex_;
+  mutable CheckedCameras checked_;  ///< the newest
+};
+
+/// Smallest step between two disparities that `options` can give, in pixels: 1 if they are whole
+/// pixels, else the spacing of float at the largest disparity of `range`.
+double disparityStep(const DisparityRange& range, const RefinementOptions& options);
+
+/// The disparities of `range` that have a match in images of that width. Throws InputError if there
+/// are none.
+DisparityRange clipRange(const DisparityRange& range, int image_width);
+
+/// The options `wanted`, with the range clipped to images of that size. Throws InputError if the
+/// images cannot be matched so: no disparity fits, or they need more memory than max_memory_mb or
+/// the machine has. `image_name` begins the text.
+StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
+                         const std::string& image_name);
+
+}  // namespace cbmv

@@ -1,0 +1,27 @@
+#include "cbmv_stereo/input/stereo_input.h"
+
+namespace cbmv {
+namespace {
+
+void requireImage(const cv::Mat& image, const std::string& name) {
+  if (image.empty()) {
+    throw InputError(InputFault::kEmptyImage,
+                     name + " is an empty image (" + sizeText(image.size()) + ")");
+  }
+}
+
+}  // namespace
+
+GrayPair toGrayPair(const StereoInput& input) {
+  requireImage(input.left, input.names.left_image);
+  requireImage(input.right, input.names.right_image);
+  if (input.left.size() != input.right.size()) {
+    throw InputError(InputFault::kDifferentSizes,
+                     input.names.left_image + " and " + input.names.right_image +
+                         " differ in size (" + sizeText(input.left.size()) + " and " +
+                         sizeText(input.right.size()) + "); a rectified pair has one size");
+  }
+  return toGrayPair(input.left, input.right);
+}
+
+}  // namespace cbmv

@@ -1,0 +1,157 @@
+#include "cbmv_stereo/pipeline/frame_processor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "cbmv_stereo/pipeline/memory.h"
+
+namespace cbmv {
+namespace {
+
+std::string rangeText(const DisparityRange& range) {
+  return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
+}
+
+/// The kernel ends a process that takes more than there is.
+void requireMachineHas(double required_mb, const std::string& images) {
+  const double present_mb = machineMemoryMb();
+  if (required_mb > present_mb) {
+    throw InputError(InputFault::kMemory,
+                     images + " need " + std::to_string(std::llround(required_mb)) +
+                         " MB, but the machine has " + std::to_string(std::llround(present_mb)) +
+                         " MB; lower disparity_range or take smaller images");
+  }
+}
+
+}  // namespace
+
+double disparityStep(const DisparityRange& range, const RefinementOptions& options) {
+  if (!options.subpixel && options.bilateral_sigma_px == 0) {
+    return 1;
+  }
+  const auto largest = static_cast<float>(std::max(std::abs(range.min), std::abs(range.max())));
+  return std::nextafter(largest, std::numeric_limits<float>::infinity()) - largest;
+}
+
+DisparityRange clipRange(const DisparityRange& range, int image_width) {
+  const int lowest = std::max(range.min, 1 - image_width);
+  const int highest = std::min(range.max(), image_width - 1);
+  if (lowest > highest) {
+    throw InputError(InputFault::kDisparityRange,
+                     "the disparities " + rangeText(range) + " lie outside of images " +
+                         std::to_string(image_width) +
+                         " px wide; min_disparity and disparity_range have to leave some inside");
+  }
+  return {lowest, highest - lowest + 1};
+}
+
+StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
+                         const std::string& image_name) {
+  const std::string prefix = image_name.empty() ? "" : image_name + ": ";
+  StereoOptions options = wanted;
+  options.range = clipRange(wanted.range, image_size.width);
+  const std::string refusal = memoryRefusal(image_size, options);
+  if (!refusal.empty()) {
+    throw InputError(InputFault::kMemory, prefix + refusal);
+  }
+  requireMachineHas(requiredMemoryMb(image_size, options),
+                    prefix + "images of " + sizeText(image_size) + " with " +
+                        std::to_string(options.range.count) + " disparities");
+  return options;
+}
+
+FrameProcessor::FrameProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options)
+    : matcher_(std::move(forest), options), options_(options) {}
+
+void FrameProcessor::setOptions(const StereoOptions& options) {
+  const std::lock_guard<std::mutex> lock(options_mutex_);
+  options_ = options;
+  options_are_new_ = true;
+}
+
+PreparedPair FrameProcessor::prepare(const StereoInput& input) const {
+  PreparedPair pair;
+  pair.names = input.names;
+  pair.images = toGrayPair(input);
+  pair.warnings = input.warnings;
+  if (input.cameras) {
+    const auto check = checkCameras(input);
+    pair.geometry = requireUsable(*check);
+    pair.warnings.insert(pair.warnings.end(), check->warnings.begin(), check->warnings.end());
+  }
+  return pair;
+}
+
+VerticalOffset FrameProcessor::estimateOffset(const PreparedPair& pair) const {
+  const StereoOptions options = wantedOptions();
+  return OwnOffset().offsetOf(pair.images, clipRange(options.range, pair.images.left.cols),
+                              options.rectification);
+}
+
+ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& offset) {
+  takeNewOptions();
+  const cv::Size size = pair.images.left.size();
+  if (adapted_size_ != size) {
+    adaptTo(size, pair.names.left_image);
+  }
+  const StereoOptions& options = matcher_.options();
+  ProcessedFrame frame;
+  frame.result = matcher_.match(
+      pair.images.left, pair.images.right,
+      offset.offsetOf(pair.images, options.range, options.rectification));
+  frame.rectification = offset.state();
+  frame.result.disparity.setTo(frame.result.range.invalid(),
+                               frame.result.confidence < min_confidence_.load());
+  frame.left_gray = pair.images.left;
+  frame.geometry = pair.geometry;
+  frame.warnings = pair.warnings;
+  frame.disparity_step_px = disparityStep(options.range, options.refinement);
+  frame.range_correction = range_correction_;
+  frame.memory_mb = memory_mb_;
+  return frame;
+}
+
+FrameProcessor::Check FrameProcessor::checkCameras(const StereoInput& input) const {
+  const std::lock_guard<std::mutex> lock(checked_mutex_);
+  const bool is_known = checked_.check && checked_.image_size == input.left.size() &&
+                        checked_.rectified_by == input.rectified_by &&
+                        checked_.cameras == *input.cameras;
+  if (!is_known) {
+    checked_ = {*input.cameras, input.left.size(), input.rectified_by,
+                std::make_shared<const CalibrationCheck>(checkCalibration(
+                    *input.cameras, input.left.size(), input.names, input.rectified_by))};
+  }
+  return checked_.check;
+}
+
+StereoOptions FrameProcessor::wantedOptions() const {
+  const std::lock_guard<std::mutex> lock(options_mutex_);
+  return options_;
+}
+
+void FrameProcessor::takeNewOptions() {
+  const std::lock_guard<std::mutex> lock(options_mutex_);
+  if (std::exchange(options_are_new_, false)) {
+    adapted_size_.reset();
+  }
+}
+
+void FrameProcessor::adaptTo(cv::Size image_size, const std::string& image_name) {
+  const StereoOptions wanted = wantedOptions();
+  const StereoOptions options = optionsFor(image_size, wanted, image_name);
+  range_correction_.clear();
+  if (options.range.count != wanted.range.count) {
+    range_correction_ = "disparity_range is " + std::to_string(wanted.range.count) +
+                        ", but the images on " + image_name + " are only " +
+                        std::to_string(image_size.width) + " px wide: the disparities " +
+                        rangeText(options.range) + " are used";
+  }
+  matcher_.setOptions(options);
+  memory_mb_ = requiredMemoryMb(image_size, options);
+  adapted_size_ = image_size;
+}
+
+}  // namespace cbmv
