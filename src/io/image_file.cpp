@@ -1,29 +1,42 @@
 #include "cbmv_stereo/io/image_file.h"
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "image_decoding.h"
+#include "scene_files.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
 
-cv::Mat readColorImage(const std::string& path) {
-  cv::Mat image = decodeImageFile(path, cv::IMREAD_COLOR);
+cv::Mat readImage(const std::string& path) {
+  cv::Mat image = decodeImageFile(
+      path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (image.empty()) {
     throw Error("Cannot read " + path + ": it is not an image, or damaged, or of a format that " +
                 "OpenCV cannot decode.");
   }
+  if (image.depth() != CV_8U && image.depth() != CV_16U) {
+    throw Error("Cannot read " + path + ": its pixels are of the type " +
+                cv::typeToString(image.type()) + ", expected 8 or 16 bits without sign per " +
+                "channel. Convert it to such an image, for example a PNG.");
+  }
   return image;
 }
 
-cv::Mat readGreyImage(const std::string& path) {
-  // Not IMREAD_GRAYSCALE: there each decoder has weights of its own.
-  cv::Mat grey;
-  cv::cvtColor(readColorImage(path), grey, cv::COLOR_BGR2GRAY);
-  return grey;
+GrayPair readGrayPair(const std::string& left_path, const std::string& right_path) {
+  const cv::Mat left = readImage(left_path);
+  const cv::Mat right = readImage(right_path);
+  requireSameSize(right_path, right.size(), left_path, left.size());
+  return toGrayPair(left, right);
 }
+
+cv::Mat readGreyImage(const std::string& path) {
+  const cv::Mat image = readImage(path);
+  return toGrayPair(image, image).left;
+}
+
+cv::Mat readColorImage(const std::string& path) { return toColor8(readImage(path)); }
 
 void writeImage(const std::string& path, const cv::Mat& image) {
   bool written = false;

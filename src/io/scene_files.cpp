@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <opencv2/imgproc.hpp>
-
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/image_file.h"
@@ -21,7 +19,8 @@ void requireSameSize(const std::filesystem::path& file, const cv::Size& size,
                      const std::filesystem::path& reference, const cv::Size& expected) {
   if (size != expected) {
     throw Error("Sizes disagree: " + file.string() + " is " + sizeText(size) + ", but " +
-                reference.string() + " is " + sizeText(expected) + ".");
+                reference.string() + " is " + sizeText(expected) +
+                "; both must have the same size.");
   }
 }
 
@@ -35,10 +34,13 @@ void requireDisparitiesFit(const std::string& file, const StereoCalibration& cal
 
 void readPair(const std::filesystem::path& left_file, const std::filesystem::path& right_file,
               StereoScene& scene) {
-  scene.left_color = readColorImage(left_file.string());
-  cv::cvtColor(scene.left_color, scene.left, cv::COLOR_BGR2GRAY);
-  scene.right = readGreyImage(right_file.string());
-  requireSameSize(right_file, scene.right.size(), left_file, scene.left.size());
+  const cv::Mat left = readImage(left_file.string());
+  const cv::Mat right = readImage(right_file.string());
+  requireSameSize(right_file, right.size(), left_file, left.size());
+  const GrayPair pair = toGrayPair(left, right);
+  scene.left = pair.left;
+  scene.right = pair.right;
+  scene.left_color = toColor8(left);
 }
 
 cv::Mat readMatchingDisparity(const std::filesystem::path& file, double divisor,

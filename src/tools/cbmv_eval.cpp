@@ -22,6 +22,7 @@
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/evaluation/submission.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/cross_validation.h"
 
@@ -160,9 +161,24 @@ void writeReports(const Arguments& arguments, const cbmv::EvaluationReport& repo
   }
 }
 
+/// All that is written, before the work begins.
+void requireWritableOutputs(const Arguments& arguments) {
+  for (const std::string& folder : {arguments.maps, arguments.submission}) {
+    if (!folder.empty()) {
+      cbmv::requireWritableFolder(folder);
+    }
+  }
+  for (const std::string& file : {arguments.json, arguments.csv, arguments.markdown}) {
+    if (!file.empty()) {
+      cbmv::requireWritableFile(file);
+    }
+  }
+}
+
 /// What the options imply of each other.
 void complete(Arguments& arguments) {
   if (!arguments.report.empty()) {
+    cbmv::requireWritableFolder(arguments.report);
     cbmv::makeFolder(arguments.report);
     const std::filesystem::path folder(arguments.report);
     arguments.json = arguments.json.empty() ? (folder / "report.json").string() : arguments.json;
@@ -223,6 +239,7 @@ void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) 
 
 void evaluate(Arguments arguments) {
   complete(arguments);
+  requireWritableOutputs(arguments);
   const cbmv::DataSet data_set = cbmv::DataSet::open(
       arguments.data_set,
       arguments.submission.empty() ? cbmv::Truth::kRequired : cbmv::Truth::kOptional);
@@ -232,7 +249,7 @@ void evaluate(Arguments arguments) {
   }
   Evaluation evaluation = setUp(arguments, data_set);
   resume(arguments, data_set, submission, evaluation);
-  writeReports(arguments, evaluation.report);  // a path that cannot be written ends it here
+  writeReports(arguments, evaluation.report);  // so that a full disk is found, too
   const int failed = cbmv::evaluateScenes(data_set, evaluation.scenes, evaluation.source,
                                           makeEvents(arguments, submission), evaluation.report);
   conclude(arguments, evaluation.report);

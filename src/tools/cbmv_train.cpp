@@ -12,6 +12,7 @@
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/training/forest_training.h"
 #include "cbmv_stereo/training/held_out_measures.h"
 #include "cbmv_stereo/training/sample_file.h"
@@ -32,6 +33,10 @@ int main(int argc, char** argv) {
                  "the features and the label, 1 correct, 0 wrong");
   cbmv::addTrainingOptions(app, options);
   return cbmv::runTool(app, argc, argv, "cbmv_train", [&] {
+    cbmv::requireWritableFile(output);
+    if (!exported.empty()) {
+      cbmv::requireWritableFile(exported);
+    }
     cbmv::ProgressBar bar(stdout, cbmv::isTerminal(stdout));
     const auto progress = [&bar](const cbmv::TrainingStep& step) {
       bar.show(step.phase, step.done, step.total, step.line);

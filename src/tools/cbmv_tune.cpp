@@ -11,8 +11,8 @@
 #include "data_arguments.h"
 #include "run_tool.h"
 
-#include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/cross_validation.h"
 #include "cbmv_stereo/tuning/tuning.h"
@@ -38,21 +38,13 @@ std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
   return forests;
 }
 
-/// Refuses before hours are spent.
-void requireFolderOf(const std::string& path) {
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  if (!std::filesystem::is_directory(folder)) {
-    throw cbmv::Error("Cannot write " + path + ": there is no folder " + folder.string() + ".");
-  }
-}
-
 void tune(Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   if (!arguments.start.empty()) {
     cbmv::readPreset(arguments.start, request.start);
     request.start_name = std::filesystem::path(arguments.start).filename().string();
   }
-  requireFolderOf(arguments.output);
+  cbmv::requireWritableFile(arguments.output);
   const std::vector<cbmv::DataSet> data_sets = cbmv::openDataSets(arguments.data_sets);
   request.scenes = cbmv::chooseScenes(data_sets, arguments.filter);
   request.search.seed = arguments.training.seed;

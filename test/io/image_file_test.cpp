@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "../src/io/image_size.h"
 #include "support/error_text.h"
@@ -21,7 +22,7 @@ namespace {
 cv::Mat randomImage(int rows, int cols, int type) {
   cv::Mat image(rows, cols, type);
   cv::RNG rng(7);
-  rng.fill(image, cv::RNG::UNIFORM, 0, 256);
+  rng.fill(image, cv::RNG::UNIFORM, 0, image.depth() == CV_16U ? 1 << 16 : 256);
   return image;
 }
 
@@ -125,10 +126,110 @@ TEST(ClaimedPixels, AreNotOfWhatASegmentHolds) {
   EXPECT_EQ(claimedPixelsOf(jpeg, jpeg.size()), 35U);
 }
 
-TEST(ImageFile, SixteenBitsAreScaledToEight) {
+TEST(ImageFile, KeepsDepthAndChannels) {
   const TemporaryFolder folder;
-  writeImage(folder.file("a.png"), cv::Mat(3, 4, CV_16UC1, cv::Scalar(0x8000)));
-  EXPECT_NEAR(readGreyImage(folder.file("a.png")).at<uchar>(1, 1), 128, 1);
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
+    const cv::Mat image = randomImage(5, 7, type);
+    for (const char* name : {"a.png", "a.tif"}) {
+      writeImage(folder.file(name), image);
+      const cv::Mat read = readImage(folder.file(name));
+      ASSERT_EQ(read.type(), type) << name;
+      EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0.0) << name;
+    }
+  }
+}
+
+TEST(ImageFile, DropsTransparency) {
+  const TemporaryFolder folder;
+  for (const int depth : {CV_8U, CV_16U}) {
+    const cv::Mat image = randomImage(5, 7, CV_MAKETYPE(depth, 4));
+    writeImage(folder.file("a.png"), image);
+    const cv::Mat read = readImage(folder.file("a.png"));
+    ASSERT_EQ(read.type(), CV_MAKETYPE(depth, 3));
+    for (int channel = 0; channel < 3; ++channel) {
+      cv::Mat expected, found;
+      cv::extractChannel(image, expected, channel);
+      cv::extractChannel(read, found, channel);
+      EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0.0);
+    }
+  }
+}
+
+TEST(ImageFile, PalettesBecomeColors) {
+  const TemporaryFolder folder;
+  constexpr std::size_t palette = 54;  // in a BMP: blue, green, red, 0 of each level
+  writeImage(folder.file("a.bmp"), cv::Mat(2, 4, CV_8UC1, cv::Scalar(9)));
+  std::string bytes = contentOf(folder.file("a.bmp"));
+  bytes.replace(palette + 4 * 9, 3, "\x01\x02\x03");
+  const cv::Mat read = readImage(folder.write("b.bmp", bytes));
+  ASSERT_EQ(read.type(), CV_8UC3);
+  EXPECT_EQ(read.at<cv::Vec3b>(1, 2), cv::Vec3b(1, 2, 3));
+}
+
+/// A JPEG whose EXIF data ask to turn it by 90 degrees.
+TEST(ImageFile, IsNotTurned) {
+  const TemporaryFolder folder;
+  const std::string orientation("\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 12);
+  const std::string exif =
+      std::string("Exif\0\0MM\0*\0\0\0\x08\0\x01", 16) + orientation + std::string(4, '\0');
+  const std::string segment =
+      std::string("\xff\xe1\0", 3) + static_cast<char>(exif.size() + 2) + exif;
+  const std::string file = folder.write("turned.jpg", imageBytes(".jpg").insert(2, segment));
+  EXPECT_EQ(readImage(file).size(), cv::Size(7, 5));
+  EXPECT_EQ(readColorImage(file).size(), cv::Size(7, 5));
+  EXPECT_EQ(readGreyImage(file).size(), cv::Size(7, 5));
+}
+
+TEST(ImageFile, NamesTheFileOfAnotherDepth) {
+  const TemporaryFolder folder;
+  writeImage(folder.file("float.tif"), cv::Mat(3, 4, CV_32FC1, cv::Scalar(0.5)));
+  for (const auto& read : {readImage, readGreyImage, readColorImage}) {
+    EXPECT_TRUE(mentions(errorText([&] { read(folder.file("float.tif")); }),
+                         {folder.file("float.tif"), "CV_32FC1", "8 or 16 bits"}));
+  }
+}
+
+/// Files that hold the levels 0 … `top` of one pair.
+class GrayPairFiles : public testing::Test {
+ protected:
+  GrayPair readWithTop(int type, double top) const {
+    const cv::Mat left = randomImage(40, 30, CV_MAKETYPE(CV_8U, CV_MAT_CN(type)));
+    for (const auto& [name, image] : {std::pair("left.png", left), {"right.png", 255 - left}}) {
+      cv::Mat scaled;
+      image.convertTo(scaled, type, top / 255);
+      writeImage(folder_.file(name), scaled);
+    }
+    return readGrayPair(folder_.file("left.png"), folder_.file("right.png"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(GrayPairFiles, SixteenBitsAreStretched) {
+  for (const int channels : {1, 3}) {
+    const GrayPair expected = readWithTop(CV_8UC(channels), 255);
+    const GrayPair same = readWithTop(CV_16UC(channels), 255);
+    EXPECT_EQ(cv::norm(same.left, expected.left, cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(same.right, expected.right, cv::NORM_INF), 0.0);
+    for (const double top : {1023.0, 4095.0, 65535.0}) {
+      const GrayPair stretched = readWithTop(CV_16UC(channels), top);
+      ASSERT_EQ(stretched.left.type(), CV_8UC1);
+      double highest = 0;
+      cv::minMaxLoc(stretched.left, nullptr, &highest);
+      EXPECT_EQ(highest, 255) << top;
+      cv::Mat correlation;
+      cv::matchTemplate(stretched.right, expected.right, correlation, cv::TM_CCOEFF_NORMED);
+      EXPECT_GT(correlation.at<float>(0, 0), 0.999) << top;
+    }
+  }
+}
+
+TEST_F(GrayPairFiles, MustHaveOneSize) {
+  writeImage(folder_.file("left.png"), randomImage(5, 7, CV_8UC1));
+  writeImage(folder_.file("right.png"), randomImage(5, 6, CV_8UC3));
+  EXPECT_TRUE(mentions(
+      errorText([&] { readGrayPair(folder_.file("left.png"), folder_.file("right.png")); }),
+      {folder_.file("right.png") + " is 6x5", folder_.file("left.png") + " is 7x5"}));
 }
 
 TEST(ImageFile, NamesTheFileThatIsNoImage) {

@@ -208,6 +208,24 @@ TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
   EXPECT_FALSE(std::filesystem::exists(path("new.forest")));
 }
 
+/// Outputs are checked first: the data set, which is not there either, is not even looked for.
+TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
+  const std::string data = "--dataset middlebury_v3:" + path("no_data");
+  const std::string place = path("none/output");
+  const std::string forest = " --forest " + kForest;
+  expectRefusal(run("cbmv_train", data + " --output " + place), {place, "there is no folder"});
+  expectRefusal(run("cbmv_train", data + " --output a --export-samples " + place), {place});
+  expectRefusal(run("cbmv_tune", data + forest + " --output " + place), {place});
+  for (const char* option : {"json", "csv", "markdown"}) {
+    expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + place), {place});
+  }
+  for (const char* option : {"maps", "report", "submission"}) {
+    const std::string folder = path("text.png/folder");
+    expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
+                  {folder, path("text.png") + " is none"});
+  }
+}
+
 TEST_F(ToolsTest, TuneWritesAPreset) {
   writeScene(path("data/One"), scene_);
   const std::string rest = " --dataset middlebury_v3:" + path("data") + " --forest " + kForest +

@@ -1,0 +1,80 @@
+#include "cbmv_stereo/io/output_check.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include <unistd.h>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const std::string& what,
+                       const std::string& remedy) {
+  throw Error("Cannot write " + path + ": " + what + ". " + remedy);
+}
+
+std::string systemError() { return std::generic_category().message(errno); }
+
+/// By making a file: permissions do not tell of read-only or special file systems.
+void requireTakesFiles(const fs::path& folder, const std::string& path) {
+  std::string probe = (folder / ".cbmv_write_check_XXXXXX").string();
+  const int file = mkstemp(probe.data());
+  if (file < 0) {
+    fail(path, "the folder " + folder.string() + " takes no new files (" + systemError() + ")",
+         "Allow writing there or give another path.");
+  }
+  close(file);
+  unlink(probe.c_str());
+}
+
+/// Without the slashes at its end, behind which there is no name.
+fs::path withoutEndSlash(const fs::path& path) {
+  return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
+}
+
+}  // namespace
+
+void requireWritableFile(const std::string& path) {
+  std::error_code ignored;
+  if (path.empty() || path.back() == '/' || fs::is_directory(path, ignored)) {
+    fail(path.empty() ? "to an empty path" : path, "a file is expected, not a folder",
+         "Give the path of a file.");
+  }
+  if (fs::exists(path, ignored) && access(path.c_str(), W_OK) != 0) {
+    fail(path, "the file exists and must not be written to (" + systemError() + ")",
+         "Allow writing or give another path.");
+  }
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    return;  // a device or pipe needs no folder
+  }
+  const fs::path target = fs::weakly_canonical(path, ignored);  // a link's target is replaced
+  const fs::path folder = fs::absolute(target.empty() ? fs::path(path) : target).parent_path();
+  if (!fs::is_directory(folder, ignored)) {
+    fail(path, "there is no folder " + folder.string(), "Make it or give another path.");
+  }
+  requireTakesFiles(folder, path);
+}
+
+void requireWritableFolder(const std::string& path) {
+  if (path.empty()) {
+    fail("to an empty path", "a folder is expected", "Give the path of a folder.");
+  }
+  std::error_code ignored;
+  fs::path folder = withoutEndSlash(fs::absolute(path));
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) {
+    folder = folder.parent_path();
+  }
+  if (!fs::is_directory(folder, ignored)) {
+    fail(path, "a folder is expected, but " + folder.string() + " is none",
+         "Give the path of a folder.");
+  }
+  requireTakesFiles(folder, path);
+}
+
+}  // namespace cbmv
