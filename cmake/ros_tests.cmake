@@ -56,8 +56,8 @@ set(CBMV_ROSTESTS stereo configuration point_cloud worker_threads faults faults_
 set(launch_files stereo_node stereo_nodelet configuration worker_threads faults faults_lifecycle
     faults_sim_time)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
-  list(APPEND CBMV_ROSTESTS parity replacement)
-  list(APPEND launch_files parity replacement)
+  list(APPEND CBMV_ROSTESTS parity replacement frame_path)
+  list(APPEND launch_files parity replacement frame_path)
 else()
   message(STATUS "stereo_image_proc or image_proc is missing: nothing is compared with them")
 endif()
@@ -72,11 +72,12 @@ foreach(test_name ${CBMV_ROSTESTS})
   target_compile_definitions(${program} PRIVATE CBMV_TEST_FOREST="${CBMV_TEST_FOREST}"
                              CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>"
+                             CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>"
                              CBMV_NODELET_PROGRAM="${nodelet_PREFIX}/lib/nodelet/nodelet")
   target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
 endforeach()
 list(TRANSFORM CBMV_ROSTESTS APPEND _rostest)
-add_custom_target(rostests DEPENDS ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node)
+add_custom_target(rostests DEPENDS ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node cbmv_bag cbmv_match)
 add_dependencies(tests rostests)
 foreach(name ${launch_files})
   set(launch_file ${PROJECT_BINARY_DIR}/test/${name}.test)

@@ -88,6 +88,9 @@ class Steps {
       GivenOffset offset(offset_);
       j.processed = parts_.processor.match(j.prepared->pair, offset);
       report_.matching_seconds += steadySeconds() - begin_s;
+      for (const std::string& warning : j.processed->warnings) {
+        ++report_.warnings[warning];
+      }
     });
     return job;
   }

@@ -33,6 +33,7 @@ struct PipelineParts {
 struct PipelineReport {
   std::size_t frames = 0;  ///< that were written
   std::map<std::string, std::size_t> failures;
+  std::map<std::string, std::size_t> warnings;  ///< of input and calibration, with their frames
   double matching_seconds = 0;
 };
 

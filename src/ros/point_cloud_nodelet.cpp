@@ -99,7 +99,7 @@ void PointCloudNodelet::work(const CloudMessages& messages) {
   try {
     publisher_.publish(boost::make_shared<sensor_msgs::PointCloud2>(makeCloud(messages)));
   } catch (const InputError& error) {
-    warn(static_cast<int>(error.fault()), std::string(error.what()) + "; frame dropped");
+    warn(static_cast<int>(error.fault()), std::string("frame dropped: ") + error.what());
   } catch (const std::exception& error) {
     warn(kFailed, std::string("frame dropped: ") + error.what());
   }
@@ -117,7 +117,7 @@ sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messa
 cv::Mat PointCloudNodelet::colorOf(const CloudMessages& messages, cv::Size size) {
   const cv::Mat white(size, CV_8UC1, cv::Scalar(255));
   return toCloudColor(messages.color, topics_[0], white, [this](const std::string& reason) {
-    warn(kColorUnusable, reason + "; the cloud stays white");
+    warn(kColorUnusable, "the cloud stays white: " + reason);
   });
 }
 

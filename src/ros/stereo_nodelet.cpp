@@ -269,7 +269,7 @@ void StereoNodelet::warnOf(const ProcessedFrame& processed) {
 cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
   const auto image = colors_->find(frame.left_image->header.stamp, colorPatience());
   return toCloudColor(image, color_topic_, processed.left_gray, [this](const std::string& reason) {
-    warn(kColorUnusable, reason + "; the cloud stays gray");
+    warn(kColorUnusable, "the cloud stays gray: " + reason);
   });
 }
 
@@ -290,7 +290,7 @@ NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {
 
 void StereoNodelet::drop(FrameDrop drop, int cause, const std::string& sentence) {
   diagnostics_->dropped(drop, sentence, ros::SteadyTime::now());
-  warn(cause, sentence + "; frame dropped");
+  warn(cause, "frame dropped: " + sentence);
 }
 
 void StereoNodelet::warn(int cause, const std::string& sentence) {

@@ -1,5 +1,6 @@
 // Matches one rectified pair of image files.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,49 +14,56 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/camera_yaml.h"
 #include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/io/points.h"
 #include "cbmv_stereo/io/preview.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/io/stereo_cameras.h"
+#include "cbmv_stereo/output/points.h"
+#include "cbmv_stereo/pipeline/frame_processor.h"
 
 namespace cbmv {
 namespace {
+
+constexpr const char* kTool = "cbmv_match";
 
 struct Arguments {
   StereoArguments stereo;
   std::string left, right, forest, calibration, right_calibration, output;
 };
 
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
+std::optional<StereoCameraFile> readCalibration(const Arguments& arguments) {
+  return arguments.calibration.empty()
+             ? std::nullopt
+             : std::optional(readStereoCameras(arguments.calibration, arguments.right_calibration));
 }
 
-StereoCalibration readCalibration(const Arguments& arguments) {
-  const std::string extension = std::filesystem::path(arguments.calibration).extension().string();
-  if (extension != ".yaml" && extension != ".yml") {
-    return readMiddleburyCalibration(arguments.calibration, StereoOptions().range.count);
+/// The images are rectified: what a calibration says of raw ones does not matter.
+StereoInput readInput(const Arguments& arguments,
+                      const std::optional<StereoCameraFile>& calibration) {
+  StereoInput input;
+  input.left = readImage(arguments.left);
+  input.right = readImage(arguments.right);
+  const bool one_file = arguments.right_calibration.empty();
+  input.names = {arguments.left, arguments.calibration, arguments.right,
+                 one_file ? arguments.calibration : arguments.right_calibration};
+  if (calibration) {
+    input.cameras = calibration->cameras;
+    input.rectified_by = RectifiedBy::kFiles;
   }
-  if (arguments.right_calibration.empty()) {
-    throw Error(arguments.calibration +
-                " describes the left camera alone; give the right one's by --right-calibration");
-  }
-  return readCameraYamlPair(arguments.calibration, arguments.right_calibration);
+  return input;
 }
 
-/// None without --calibration.
-std::optional<StereoCalibration> calibrationFor(const cv::Size& size, const Arguments& arguments) {
-  if (arguments.calibration.empty()) {
-    return std::nullopt;
+/// The calibration's number of disparities counts unless the user gives one.
+StereoOptions readOptions(const Arguments& arguments,
+                          const std::optional<StereoCameraFile>& calibration) {
+  StereoOptions options = readStereoOptions(arguments.stereo, kTool);
+  if (!arguments.stereo.disparities && calibration && calibration->disparities > 0) {
+    options.range.count = calibration->disparities;
+    std::printf("%s: disparity_range = %d is taken from ndisp\n", arguments.calibration.c_str(),
+                options.range.count);
   }
-  const StereoCalibration calibration = readCalibration(arguments);
-  if (cv::Size(calibration.width, calibration.height) != size) {
-    throw Error(arguments.calibration + " describes images of " +
-                sizeText(calibration.width, calibration.height) + " pixels, " + arguments.left +
-                " has " + sizeText(size.width, size.height));
-  }
-  return calibration;
+  return options;
 }
 
 void writeMaps(const std::string& folder, const StereoResult& result) {
@@ -68,29 +76,38 @@ void writeMaps(const std::string& folder, const StereoResult& result) {
   writeImage(folder + "confidence.png", colorizeConfidence(result.confidence));
 }
 
+void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv::Mat& left) {
+  const cv::Mat valid =
+      toValidDisparity(frame.result.disparity, frame.result.range.invalid(),
+                       frame.geometry.disparity_offset_px);
+  writePfm(folder + "depth.pfm", toDepth(valid, frame.geometry));
+  writePly(folder + "cloud.ply", toPoints(valid, toColor8(left), frame.geometry));
+}
+
 void match(const Arguments& arguments) {
-  const StereoOptions options = readStereoOptions(arguments.stereo, "cbmv_match");
-  const cv::Mat left = readGreyImage(arguments.left);
-  const cv::Mat right = readGreyImage(arguments.right);
-  if (left.size() != right.size()) {
-    throw Error(arguments.left + " and " + arguments.right +
-                " differ in size; a rectified pair has one size");
+  requireWritableFolder(arguments.output);
+  const auto calibration = readCalibration(arguments);
+  const StereoOptions options = readOptions(arguments, calibration);
+  const StereoInput input = readInput(arguments, calibration);
+  FrameProcessor processor(std::make_shared<const Forest>(readForest(arguments.forest)), options);
+  const PreparedPair pair = processor.prepare(input);
+  for (const std::string& warning : pair.warnings) {
+    std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
   }
-  const std::optional<StereoCalibration> calibration = calibrationFor(left.size(), arguments);
-  const auto forest = std::make_shared<Forest>(readForest(arguments.forest));
-  std::filesystem::create_directories(arguments.output);
   std::fputs(describeOptions(options).c_str(), stdout);
 
-  StereoMatcher matcher(forest, options);
-  const StereoResult result = matcher.match(left, right);
-  const std::string folder = arguments.output + "/";
-  writeMaps(folder, result);
-  if (calibration) {
-    const cv::Mat depth = toDepth(result.disparity, result.range.invalid(), *calibration);
-    writePfm(folder + "depth.pfm", depth);
-    writePly(folder + "cloud.ply", toPoints(depth, readColorImage(arguments.left), *calibration));
+  OwnOffset offset;
+  const ProcessedFrame frame = processor.match(pair, offset);
+  if (!frame.range_correction.empty()) {
+    std::fprintf(stderr, "%s: warning: %s\n", kTool, frame.range_correction.c_str());
   }
-  std::printf("%.0f ms; wrote disparity%s and confidence to %s\n", result.times.total_ms,
+  const std::string folder = arguments.output + "/";
+  std::filesystem::create_directories(folder);
+  writeMaps(folder, frame.result);
+  if (calibration) {
+    writeDepth(folder, frame, input.left);
+  }
+  std::printf("%.0f ms; wrote disparity%s and confidence to %s\n", frame.result.times.total_ms,
               calibration ? ", depth, cloud" : "", folder.c_str());
 }
 
@@ -100,7 +117,7 @@ void match(const Arguments& arguments) {
 // NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
   CLI::App app{
-      "Matches a rectified pair: disparity and confidence as PFM and as colour PNG; with a "
+      "Matches a rectified pair: disparity and confidence as PFM and as color PNG; with a "
       "calibration depth as PFM (m, NaN where there is none) and the cloud as PLY, too"};
   cbmv::Arguments arguments;
   app.add_option("left", arguments.left, "Left image file")->required();
@@ -109,8 +126,10 @@ int main(int argc, char** argv) {
   cbmv::addStereoOptions(app, arguments.stereo);
   CLI::Option* const calibration = app.add_option(
       "--calibration", arguments.calibration,
-      "Middlebury's calib.txt, or the left camera's .yaml as camera_calibration writes it");
-  app.add_option("--right-calibration", arguments.right_calibration, "The right camera's .yaml")
+      "Middlebury's or ETH3D's calib.txt; KITTI's calib_cam_to_cam.txt or calib/NNNNNN.txt "
+      "(with :02,03 behind it: the color cameras); or the left camera's YAML of "
+      "camera_calibration, or EuRoC's sensor.yaml");
+  app.add_option("--right-calibration", arguments.right_calibration, "The right camera's YAML")
       ->needs(calibration);
   app.add_option("--output", arguments.output, "Folder to write to")->required();
   return cbmv::runTool(app, argc, argv, "cbmv_match", [&] { cbmv::match(arguments); });

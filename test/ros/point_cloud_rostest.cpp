@@ -199,7 +199,7 @@ TEST_F(CloudOfDisparity, DropsBadInputWithAWarningAndLives) {
   PairMessages pair = makePair();
   pair.right_info->P.assign(0);
   send(pair, makeDisparity(twoPlanes(4, 9), 0, pair.left_image->header));
-  EXPECT_TRUE(log.waitForWarning({"/cloud/right/camera_info", "calibrate"}));
+  EXPECT_TRUE(log.waitForWarning({"/cloud/right/camera_info", "Calibrate"}));
   pair = makePair();
   send(pair, makeDisparity(cv::Mat(9, 9, CV_32FC1), 0, pair.left_image->header));
   EXPECT_TRUE(log.waitForWarning({"/cloud/left/camera_info", "31 x 22", "9 x 9"}));

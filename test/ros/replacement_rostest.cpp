@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <opencv2/calib3d.hpp>
 
 #include "ros/collector.h"
+#include "ros/raw_rig.h"
 #include "ros/rostest_main.h"
 #include "ros/stereo_pair.h"
 #include "ros/wait_for.h"
@@ -26,31 +26,6 @@ float medianOf(const cv::Mat& values) {
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   return sorted[sorted.size() / 2];
 }
-
-/// Both cameras before rectification, in the namespaces that the launch file was given.
-class RawCameras {
- public:
-  explicit RawCameras(const std::string& name_space) : nh_(name_space) {
-    left_image_ = nh_.advertise<sensor_msgs::Image>("port/image_raw", 5);
-    left_info_ = nh_.advertise<sensor_msgs::CameraInfo>("port/camera_info", 5);
-    right_image_ = nh_.advertise<sensor_msgs::Image>("starboard/image_raw", 5);
-    right_info_ = nh_.advertise<sensor_msgs::CameraInfo>("starboard/camera_info", 5);
-  }
-
-  void publish(const PairMessages& messages) {
-    left_info_.publish(messages.left_info);
-    right_info_.publish(messages.right_info);
-    left_image_.publish(messages.left_image);
-    right_image_.publish(messages.right_image);
-  }
-
- private:
-  ros::NodeHandle nh_;
-  ros::Publisher left_image_;
-  ros::Publisher left_info_;
-  ros::Publisher right_image_;
-  ros::Publisher right_info_;
-};
 
 /// Raw images of a Bayer sensor on which everything is rather red; rectification moves them down.
 PairMessages makeRedMessages(const StereoPair& pair, ros::Time stamp) {
@@ -74,61 +49,11 @@ PairMessages makeRedMessages(const StereoPair& pair, ros::Time stamp) {
   return messages;
 }
 
-/// A camera before rectification.
-struct Lens {
-  cv::Matx33d matrix;
-  std::vector<double> distortion;
-  cv::Vec3d rotation;  ///< to the rectified camera, Rodrigues
-
-  /// What the camera sees where the rectified one sees `rectified`: every raw pixel's ray is looked
-  /// up there.
-  cv::Mat view(const cv::Mat& rectified, const sensor_msgs::CameraInfo& info) const {
-    std::vector<cv::Point2f> raw;
-    for (int y = 0; y < rectified.rows; ++y) {
-      for (int x = 0; x < rectified.cols; ++x) {
-        raw.emplace_back(static_cast<float>(x), static_cast<float>(y));
-      }
-    }
-    std::vector<cv::Point2f> seen;
-    cv::undistortPoints(raw, seen, matrix, distortion, turn(), cv::Matx34d(info.P.data()));
-    cv::Mat image;
-    cv::remap(rectified, image, cv::Mat(seen).reshape(2, rectified.rows), cv::noArray(),
-              cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-    return image;
-  }
-
-  void describe(sensor_msgs::CameraInfo& info) const {
-    info.distortion_model = "plumb_bob";
-    info.D = distortion;
-    std::copy_n(matrix.val, 9, info.K.begin());
-    std::copy_n(turn().val, 9, info.R.begin());
-  }
-
-  cv::Matx33d turn() const {
-    cv::Matx33d turned;
-    cv::Rodrigues(rotation, turned);
-    return turned;
-  }
-};
-
 const cv::Size kLargeSize(220, 160);
 const Rig kLargeRig{180, 0.25, 109.5, 109.5, 79.5};
-// As strong as those of a real rig (scripts/demo --raw), turned more.
-const Lens kLeftLens{{185, 0, 113, 0, 184.5, 77, 0, 0, 1},
-                     {-0.29, 0.11, -0.001, 0.0005, -0.02},
-                     {0.01, -0.02, 0.008}};
-const Lens kRightLens{
-    {187, 0, 108, 0, 187, 82, 0, 0, 1}, {-0.27, 0.09, 0.0008, -0.0003, 0}, {-0.012, 0.015, -0.009}};
-
 PairMessages makeDistortedMessages(const StereoPair& pair, ros::Time stamp) {
   PairMessages messages = makeMessages(pair, kLargeRig, stamp);
-  const auto distort = [](const Lens& lens, const cv::Mat& rectified, sensor_msgs::Image& image,
-                          sensor_msgs::CameraInfo& info) {
-    image = *makeImage(lens.view(rectified, info), "mono8", image.header);
-    lens.describe(info);
-  };
-  distort(kLeftLens, pair.left, *messages.left_image, *messages.left_info);
-  distort(kRightLens, pair.right, *messages.right_image, *messages.right_info);
+  makeRaw(kLeftLens, kRightLens, messages);
   for (std_msgs::Header* header : {&messages.right_image->header, &messages.right_info->header}) {
     header->frame_id = "right_camera";
   }
@@ -154,7 +79,7 @@ double rightShare(const cv::Mat& disparity, const cv::Mat& truth) {
 
 TEST(Replacement, TakesLensDistortionOff) {
   ros::NodeHandle nh("/robot");
-  RawCameras cameras("/robot");
+  RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
   disparity.subscribe(nh, "disparity");
   const StereoPair pair = renderPair(kLargeSize, 6, 14);
@@ -173,7 +98,7 @@ TEST(Replacement, TakesLensDistortionOff) {
 
 TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   ros::NodeHandle nh("/robot");
-  RawCameras cameras("/robot");
+  RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
   Collector<sensor_msgs::PointCloud2> points;
   disparity.subscribe(nh, "disparity");

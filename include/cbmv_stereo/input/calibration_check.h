@@ -30,6 +30,7 @@ struct StereoGeometry {
 /// Who rectified the images, or will.
 enum class RectifiedBy {
   kOthers,  ///< a driver or image_proc: it may have skipped images without distortion
+  kFiles,   ///< whoever wrote image files: known to be rectified
   kUs,      ///< the images are raw and get rectified by K, D, R and P
 };
 
