@@ -19,7 +19,7 @@ constexpr int kCallsPerEvaluation = 50;  // a search that finds nothing new ends
 
 class Search {
  public:
-  Search(const SearchSpace& space, const StereoOptions& start, const Objective& objective,
+  Search(const ParameterSpace& space, const StereoOptions& start, const Objective& objective,
          const SearchProgress& progress)
       : space_(space),
         objective_(objective),
@@ -85,7 +85,7 @@ class Search {
     return here.score;
   }
 
-  const SearchSpace& space_;
+  const ParameterSpace& space_;
   const Objective& objective_;
   const SearchProgress& progress_;
   SearchPoint best_;
@@ -97,7 +97,7 @@ class Search {
 
 }  // namespace
 
-SearchPoint searchParameters(const SearchSpace& space, const StereoOptions& start,
+SearchPoint searchParameters(const ParameterSpace& space, const StereoOptions& start,
                              const Objective& objective, const SearchSettings& settings,
                              const SearchProgress& progress) {
   if (settings.evaluations < 1 || settings.global_evaluations < 0) {

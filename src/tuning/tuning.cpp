@@ -222,7 +222,7 @@ class Tuner {
 
   const TuningRequest& request_;
   const TuningEvents& events_;
-  SearchSpace space_;
+  ParameterSpace space_;
   TuningReport report_;
   std::vector<TuningScene> scenes_;
   TuningScorer scorer_;

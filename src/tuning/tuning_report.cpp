@@ -8,7 +8,7 @@
 #include "../io/binary_file.h"
 
 #include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/tuning/search_space.h"
+#include "cbmv_stereo/tuning/parameter_space.h"
 
 namespace cbmv {
 namespace {

@@ -32,7 +32,7 @@ StereoOptions farAway() {
 /// Runs a search and keeps what it tells.
 struct LoggedSearch {
   explicit LoggedSearch(const SearchSettings& settings, const Objective& objective = valley) {
-    const SearchSpace space({"P2", "cbca_iterations_after", "bilateral_sigma"});
+    const ParameterSpace space({"P2", "cbca_iterations_after", "bilateral_sigma"});
     best = searchParameters(
         space, farAway(), objective, settings,
         [this](int evaluation, const SearchPoint& here, const SearchPoint& so_far) {

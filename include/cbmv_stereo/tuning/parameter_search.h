@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "cbmv_stereo/pipeline/options.h"
-#include "cbmv_stereo/tuning/search_space.h"
+#include "cbmv_stereo/tuning/parameter_space.h"
 
 namespace cbmv {
 
@@ -31,7 +31,7 @@ using SearchProgress =
 /// first evaluation is of `start` as it is, so the result is never worse. Options that were
 /// evaluated already are not evaluated again. Deterministic. Passes on what `objective` and
 /// `progress` throw; throws Error when the settings are out of range.
-SearchPoint searchParameters(const SearchSpace& space, const StereoOptions& start,
+SearchPoint searchParameters(const ParameterSpace& space, const StereoOptions& start,
                              const Objective& objective, const SearchSettings& settings,
                              const SearchProgress& progress);
 

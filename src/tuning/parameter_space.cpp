@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/search_space.h"
+#include "cbmv_stereo/tuning/parameter_space.h"
 
 #include <algorithm>
 #include <array>
@@ -78,7 +78,7 @@ std::vector<std::string> defaultSearchParameters() {
           "median_size"};
 }
 
-SearchSpace::SearchSpace(const std::vector<std::string>& parameters) {
+ParameterSpace::ParameterSpace(const std::vector<std::string>& parameters) {
   if (parameters.empty()) {
     throw Error("there is no parameter to search; name one at least");
   }
@@ -90,7 +90,7 @@ SearchSpace::SearchSpace(const std::vector<std::string>& parameters) {
   }
 }
 
-std::vector<double> SearchSpace::coordinates(const StereoOptions& options) const {
+std::vector<double> ParameterSpace::coordinates(const StereoOptions& options) const {
   std::vector<double> coordinates;
   for (const Axis& axis : axes_) {
     const double value =
@@ -102,7 +102,7 @@ std::vector<double> SearchSpace::coordinates(const StereoOptions& options) const
   return coordinates;
 }
 
-StereoOptions SearchSpace::optionsAt(const std::vector<double>& coordinates,
+StereoOptions ParameterSpace::optionsAt(const std::vector<double>& coordinates,
                                      const StereoOptions& others) const {
   StereoOptions options = others;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -117,7 +117,7 @@ StereoOptions SearchSpace::optionsAt(const std::vector<double>& coordinates,
   return options;
 }
 
-std::vector<double> SearchSpace::firstSteps() const {
+std::vector<double> ParameterSpace::firstSteps() const {
   std::vector<double> steps;
   for (const Axis& axis : axes_) {
     steps.push_back(std::max(kFirstStep, kWholeStep * axis.step / (axis.highest - axis.lowest)));
@@ -125,7 +125,7 @@ std::vector<double> SearchSpace::firstSteps() const {
   return steps;
 }
 
-SearchSpace::Axis SearchSpace::findAxis(const std::string& name) {
+ParameterSpace::Axis ParameterSpace::findAxis(const std::string& name) {
   const Parameter parameter = findParameter(name);
   for (const Bounds& bounds : kBounds) {
     if (name == bounds.name) {
@@ -136,7 +136,7 @@ SearchSpace::Axis SearchSpace::findAxis(const std::string& name) {
               " cannot be searched; those of optimization and refinement that are numbers can");
 }
 
-double SearchSpace::valueAt(const Axis& axis, double coordinate) {
+double ParameterSpace::valueAt(const Axis& axis, double coordinate) {
   if (axis.logarithmic) {
     return toThreeDigits(axis.lowest * std::pow(axis.highest / axis.lowest, coordinate));
   }

@@ -18,11 +18,11 @@ std::vector<std::string> defaultSearchParameters();
 
 /// The parameters that are searched, as a cube of coordinates in [0, 1]: linear or logarithmic
 /// between the bounds of the search, which lie inside of those of the parameter.
-class SearchSpace {
+class ParameterSpace {
  public:
   /// Throws Error that names a parameter that cannot be searched, or is given twice, or says that
   /// there is none.
-  explicit SearchSpace(const std::vector<std::string>& parameters);
+  explicit ParameterSpace(const std::vector<std::string>& parameters);
 
   std::size_t dimensions() const { return axes_.size(); }
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/search_space.h"
+#include "cbmv_stereo/tuning/parameter_space.h"
 
 #include <random>
 
@@ -9,8 +9,8 @@
 namespace cbmv {
 namespace {
 
-TEST(SearchSpace, GoesFromBoundToBound) {
-  const SearchSpace space({"P2", "bilateral_sigma", "median_size"});
+TEST(ParameterSpace, GoesFromBoundToBound) {
+  const ParameterSpace space({"P2", "bilateral_sigma", "median_size"});
   ASSERT_EQ(space.dimensions(), 3U);
   const StereoOptions lowest = space.optionsAt({0, 0, 0}, {});
   const StereoOptions highest = space.optionsAt({1, 1, 1}, {});
@@ -28,8 +28,8 @@ TEST(SearchSpace, GoesFromBoundToBound) {
 
 /// All parameters at once, at random points: whole numbers are whole, windows odd, the options
 /// consistent, and what is not searched stays.
-TEST(SearchSpace, HoldsOnlyOptionsThatWork) {
-  const SearchSpace space(defaultSearchParameters());
+TEST(ParameterSpace, HoldsOnlyOptionsThatWork) {
+  const ParameterSpace space(defaultSearchParameters());
   StereoOptions others;
   others.sgm.iterations = 3;
   std::mt19937 random(1);
@@ -47,16 +47,16 @@ TEST(SearchSpace, HoldsOnlyOptionsThatWork) {
   }
 }
 
-TEST(SearchSpace, StartsInsideOfTheBounds) {
-  const SearchSpace space({"P1", "bilateral_sigma"});
+TEST(ParameterSpace, StartsInsideOfTheBounds) {
+  const ParameterSpace space({"P1", "bilateral_sigma"});
   StereoOptions options;
   options.sgm.p1 = 0;
   options.refinement.bilateral_sigma_px = 10;
   EXPECT_EQ(space.coordinates(options), (std::vector<double>{0, 1}));
 }
 
-TEST(SearchSpace, FirstStepsReachTheNextWholeNumber) {
-  const SearchSpace space({"median_size", "cbca_iterations_before", "P1"});
+TEST(ParameterSpace, FirstStepsReachTheNextWholeNumber) {
+  const ParameterSpace space({"median_size", "cbca_iterations_before", "P1"});
   const std::vector<double> steps = space.firstSteps();
   const std::vector<double> from = space.coordinates({});
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -66,9 +66,9 @@ TEST(SearchSpace, FirstStepsReachTheNextWholeNumber) {
   }
 }
 
-TEST(SearchSpace, RefusesWhatCannotBeSearched) {
+TEST(ParameterSpace, RefusesWhatCannotBeSearched) {
   const auto refusal = [](const std::vector<std::string>& names) {
-    return errorText([&] { SearchSpace space(names); });
+    return errorText([&] { ParameterSpace space(names); });
   };
   EXPECT_TRUE(mentions(refusal({"P3"}), {"P3"}));
   EXPECT_TRUE(mentions(refusal({"subpixel"}), {"subpixel", "numbers"}));
