@@ -42,7 +42,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void stop();
   StereoOptions readOptions(const PrivateParameters& parameters);
   std::shared_ptr<const Forest> loadForest(const PrivateParameters& parameters);
-  void offerConfig();
+  void offerConfig(const PrivateParameters& parameters);
   void openDiagnostics(const PrivateParameters& parameters);
   void openTopics(const PrivateParameters& parameters);
 
@@ -72,7 +72,8 @@ class StereoNodelet : public nodelet::Nodelet {
   int threads_ = 0;
   std::unique_ptr<StereoProcessor> processor_;
   StereoTopics topics_;
-  std::string color_topic_;
+  std::string color_name_;   ///< as configured
+  std::string color_topic_;  ///< resolved
 
   std::mutex subscriptions_mutex_;  ///< of what follows
   bool stopping_ = false;
