@@ -25,7 +25,7 @@ std::vector<PrivateParameter> syncParameters() {
 
 std::vector<PrivateParameter> topicParameters() {
   return {{"left_image_topic", std::string("left/image_rect"), 0, 0, "",
-           "Topic of the left image; a remap of `left/image_rect` wins, and so on"},
+           "Topic of the left image"},
           {"left_info_topic", std::string("left/camera_info"), 0, 0, "", "Its camera_info"},
           {"right_image_topic", std::string("right/image_rect"), 0, 0, "",
            "Topic of the right image"},

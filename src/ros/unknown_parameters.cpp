@@ -81,6 +81,9 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
   all.insert(all.end(), parameters.begin(), parameters.end());
   std::vector<std::string> sentences;
   for (const std::string& name : words(arguments.substr(0, colon))) {
+    if (name.rfind("__", 0) == 0) {
+      continue;  // roslaunch's own, as __ns
+    }
     const std::string nearest = nearestName(name, all);
     sentences.push_back(
         name + " is not an argument of the launch file and is ignored; nearest known name: " +
