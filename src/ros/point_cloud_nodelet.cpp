@@ -41,8 +41,8 @@ void PointCloudNodelet::onInit() {
 void PointCloudNodelet::initialize() {
   const PrivateParameters parameters(getPrivateNodeHandle(), pointCloudPrivateParameters());
   options_ = readCloudOptions(parameters);
-  for (const std::string& sentence : describeUnknownParameters(
-           getPrivateNodeHandle(), namesOf(pointCloudPrivateParameters()))) {
+  for (const std::string& sentence :
+       describeUnknownParameters(getPrivateNodeHandle(), namesOf(pointCloudPrivateParameters()))) {
     NODELET_WARN_STREAM(sentence);
   }
   worker_ = std::make_unique<FrameWorker<CloudMessages>>(
@@ -116,8 +116,9 @@ void PointCloudNodelet::work(const CloudMessages& messages) {
 sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messages) {
   const cv::Mat disparity = toValidDisparity(*messages.disparity, topics_[kSecond]);
   const std::string& color_topic = topics_[kFirst];
-  StereoGeometry geometry = toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
-                                       {color_topic, topics_[kFirstInfo], color_topic, topics_[kSecondInfo]});
+  StereoGeometry geometry =
+      toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
+                 {color_topic, topics_[kFirstInfo], color_topic, topics_[kSecondInfo]});
   takeFocalLengthAndBaseline(*messages.disparity, geometry);
   return toPointCloud({disparity, colorOf(messages, disparity.size()), {}}, geometry, options_,
                       messages.disparity->header);

@@ -24,14 +24,13 @@ std::vector<PrivateParameter> syncParameters() {
 }
 
 std::vector<PrivateParameter> topicParameters() {
-  return {{"left_image_topic", std::string("left/image_rect"), 0, 0, "",
-           "Topic of the left image"},
-          {"left_info_topic", std::string("left/camera_info"), 0, 0, "", "Its camera_info"},
-          {"right_image_topic", std::string("right/image_rect"), 0, 0, "",
-           "Topic of the right image"},
-          {"right_info_topic", std::string("right/camera_info"), 0, 0, "", "Its camera_info"},
-          {"left_color_topic", std::string("left/image_rect_color"), 0, 0, "",
-           "Topic of the image that colours the cloud"}};
+  return {
+      {"left_image_topic", std::string("left/image_rect"), 0, 0, "", "Topic of the left image"},
+      {"left_info_topic", std::string("left/camera_info"), 0, 0, "", "Its camera_info"},
+      {"right_image_topic", std::string("right/image_rect"), 0, 0, "", "Topic of the right image"},
+      {"right_info_topic", std::string("right/camera_info"), 0, 0, "", "Its camera_info"},
+      {"left_color_topic", std::string("left/image_rect_color"), 0, 0, "",
+       "Topic of the image that colours the cloud"}};
 }
 
 std::vector<PrivateParameter> cloudParameters() {
@@ -111,9 +110,10 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
   append(limitParameters(), table);
   table.push_back(
       {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
-  table.push_back({"unknown_arguments", std::string(), 0, 0, "",
-                   "Set by the launch files: arguments that they were given and do not have, a colon, those "
-                   "that they have; the node warns of the former"});
+  table.push_back(
+      {"unknown_arguments", std::string(), 0, 0, "",
+       "Set by the launch files: arguments that they were given and do not have, a colon, those "
+       "that they have; the node warns of the former"});
   return table;
 }
 

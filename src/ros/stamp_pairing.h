@@ -32,12 +32,12 @@ struct SyncOptions {
 /// apart than max_interval_s. A pair comes as soon as it is certain: at once if the stamps are
 /// equal, else when the topic with the earlier stamp has its next message.
 ///
-/// No message ever blocks others, whatever its stamp: partners are looked up, and the oldest in order
-/// of arrival makes room. What waits with older stamps than those of a pair is dropped with it, so
-/// pairs do not go back in time but where the stamps of both topics do.
+/// No message ever blocks others, whatever its stamp: partners are looked up, and the oldest in
+/// order of arrival makes room. What waits with older stamps than those of a pair is dropped with
+/// it, so pairs do not go back in time but where the stamps of both topics do.
 ///
-/// message_filters' policies do not do: ExactTime gives up the smallest stamps first, so messages of
-/// a time to come keep all others from being paired. Not for several threads at a time.
+/// message_filters' policies do not do: ExactTime gives up the smallest stamps first, so messages
+/// of a time to come keep all others from being paired. Not for several threads at a time.
 template <typename First, typename Second>
 class StampPairing {
  public:
@@ -141,10 +141,10 @@ class StampPairing {
 
   template <typename Message, typename Condition>
   static void dropIf(Queue<Message>& waiting, const Condition& condition) {
-    waiting.erase(std::remove_if(
-                      waiting.begin(), waiting.end(),
-                      [&](const auto& message) { return condition(message->header.stamp); }),
-                  waiting.end());
+    waiting.erase(
+        std::remove_if(waiting.begin(), waiting.end(),
+                       [&](const auto& message) { return condition(message->header.stamp); }),
+        waiting.end());
   }
 
   template <typename Message>

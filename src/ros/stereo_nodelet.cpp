@@ -166,7 +166,8 @@ void StereoNodelet::updateColorSubscription() {
   } else if (!color_subscriber_) {
     colors_->clear();
     color_subscriber_ = color_transport_->subscribe(
-        nameToSubscribe(getNodeHandle(), color_name_), static_cast<std::uint32_t>(inputs_->options().queue_size),
+        nameToSubscribe(getNodeHandle(), color_name_),
+        static_cast<std::uint32_t>(inputs_->options().queue_size),
         [this](const sensor_msgs::ImageConstPtr& image) {
           guarded(getName(), [&] { colors_->add(image); });
         },

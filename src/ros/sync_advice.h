@@ -10,8 +10,8 @@ namespace cbmv {
 struct StampRelation {
   std::string first;  ///< topics
   std::string second;
-  double distance_s = 0;  ///< median, from a stamp of the second to the nearest of the first
-  double period_s = 0;    ///< between messages of the first
+  double distance_s = 0;        ///< median, from a stamp of the second to the nearest of the first
+  double period_s = 0;          ///< between messages of the first
   bool first_is_unset = false;  ///< all stamps are zero
   bool second_is_unset = false;
   int lag = 0;  ///< messages by which one topic is behind the other

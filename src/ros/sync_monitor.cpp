@@ -34,8 +34,8 @@ bool areUnset(const std::deque<ros::Time>& stamps) {
 /// Stamps that are later than all of the other topic.
 int countLater(const std::deque<ros::Time>& stamps, const std::deque<ros::Time>& others) {
   const ros::Time newest = *std::max_element(others.begin(), others.end());
-  return static_cast<int>(std::count_if(stamps.begin(), stamps.end(),
-                                        [&](const ros::Time& t) { return t > newest; }));
+  return static_cast<int>(
+      std::count_if(stamps.begin(), stamps.end(), [&](const ros::Time& t) { return t > newest; }));
 }
 
 }  // namespace

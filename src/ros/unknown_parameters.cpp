@@ -86,8 +86,8 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
     }
     const std::string nearest = nearestName(name, all);
     sentences.push_back(
-        name + " is not an argument of the launch file and is ignored; nearest known name: " +
-        nearest +
+        name +
+        " is not an argument of the launch file and is ignored; nearest known name: " + nearest +
         (holds(known, nearest) ? ""
                                : ", a parameter: set it as a private parameter of the node, in a "
                                  "preset, or by dynamic_reconfigure"));

@@ -13,8 +13,8 @@ std::vector<std::string> describeUnknownParameters(const ros::NodeHandle& privat
                                                    const std::vector<std::string>& known);
 
 /// One sentence for each argument that a launch file was given and does not have: roslaunch ignores
-/// them. `arguments` is what the launch file says: those, a colon, and all that it has, separated by
-/// blanks. `parameters` can be set, but not by an argument.
+/// them. `arguments` is what the launch file says: those, a colon, and all that it has, separated
+/// by blanks. `parameters` can be set, but not by an argument.
 std::vector<std::string> describeUnknownArguments(const std::string& arguments,
                                                   const std::vector<std::string>& parameters);
 

@@ -42,12 +42,12 @@ class Calibration : public testing::Test {
 
   double now_s_ = 100;
   Sets sets_;
-  CalibratedPairs<Image, Image> pairs_{[this](const auto& left, const auto& left_info,
-                                              const auto& right, const auto& right_info) {
-    EXPECT_EQ(left->header.stamp, right->header.stamp);
-    sets_.push_back(std::to_string(left->header.stamp.sec) + ": " + left_info->header.frame_id +
-                    " " + right_info->header.frame_id);
-  }};
+  CalibratedPairs<Image, Image> pairs_{
+      [this](const auto& left, const auto& left_info, const auto& right, const auto& right_info) {
+        EXPECT_EQ(left->header.stamp, right->header.stamp);
+        sets_.push_back(std::to_string(left->header.stamp.sec) + ": " + left_info->header.frame_id +
+                        " " + right_info->header.frame_id);
+      }};
 };
 
 TEST_F(Calibration, WithEveryImageIsNeverWaitedForInVain) {

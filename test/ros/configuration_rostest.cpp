@@ -460,11 +460,11 @@ TEST(Topics, AreTheParameters) {
 /// Remaps that exchange the cameras must not be followed twice.
 TEST(Topics, MayBeExchanged) {
   StereoNodelet nodelet("exchange_test");
-  ASSERT_TRUE(nodelet.load({{"/exchange_test/left/image_rect", "/exchange_test/right/image_rect"},
-                            {"/exchange_test/left/camera_info", "/exchange_test/right/camera_info"},
-                            {"/exchange_test/right/image_rect", "/exchange_test/left/image_rect"},
-                            {"/exchange_test/right/camera_info",
-                             "/exchange_test/left/camera_info"}}));
+  ASSERT_TRUE(
+      nodelet.load({{"/exchange_test/left/image_rect", "/exchange_test/right/image_rect"},
+                    {"/exchange_test/left/camera_info", "/exchange_test/right/camera_info"},
+                    {"/exchange_test/right/image_rect", "/exchange_test/left/image_rect"},
+                    {"/exchange_test/right/camera_info", "/exchange_test/left/camera_info"}}));
   EXPECT_TRUE(disparityComes("exchange_test", [](PairMessages& messages) {
     std::swap(messages.left_image, messages.right_image);
     std::swap(messages.left_info, messages.right_info);

@@ -18,11 +18,12 @@ TEST(UnknownNames, HaveANearestOne) {
 }
 
 TEST(UnknownNames, OfLaunchFilesAreDescribed) {
-  const auto sentences = describeUnknownArguments("queue_sise disparity_range : left queue_size",
-                                                  kParameters);
+  const auto sentences =
+      describeUnknownArguments("queue_sise disparity_range : left queue_size", kParameters);
   ASSERT_EQ(sentences.size(), 2U);
-  EXPECT_EQ(sentences[0], "queue_sise is not an argument of the launch file and is ignored; "
-                          "nearest known name: queue_size");
+  EXPECT_EQ(sentences[0],
+            "queue_sise is not an argument of the launch file and is ignored; "
+            "nearest known name: queue_size");
   EXPECT_TRUE(mentions(sentences[1], {"disparity_range is not an argument",
                                       "nearest known name: disparity_range, a parameter"}));
 }
