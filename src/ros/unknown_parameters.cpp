@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 namespace cbmv {
 namespace {
@@ -85,12 +86,15 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
       continue;  // roslaunch's own, as __ns
     }
     const std::string nearest = nearestName(name, all);
-    sentences.push_back(
-        name +
-        " is not an argument of the launch file and is ignored; nearest known name: " + nearest +
-        (holds(known, nearest) ? ""
-                               : ", a parameter: set it as a private parameter of the node, in a "
-                                 "preset, or by dynamic_reconfigure"));
+    std::string sentence =
+        name + " is not an argument of the launch file and is ignored; nearest known name: ";
+    sentence += nearest;
+    if (!holds(known, nearest)) {
+      sentence +=
+          ", a parameter: set it as a private parameter of the node, in a preset, or by "
+          "dynamic_reconfigure";
+    }
+    sentences.push_back(std::move(sentence));
   }
   return sentences;
 }
