@@ -11,6 +11,9 @@
 #include <dynamic_reconfigure/Config.h>
 #include <ros/package.h>
 
+#include "ros/private_parameters.h"
+#include "ros/unknown_parameters.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
@@ -179,6 +182,22 @@ std::vector<std::string> offerParameters(const StereoOptions& options,
   return differences;
 }
 
+std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
+                                              const std::string& arguments) {
+  std::vector<std::string> of_method;
+  for (const auto& description : cbmv_stereo::StereoConfig::__getParamDescriptions__()) {
+    of_method.push_back(description->name);
+  }
+  std::vector<std::string> all = namesOf(stereoPrivateParameters());
+  all.insert(all.end(), of_method.begin(), of_method.end());
+  all.insert(all.end(), kStockOnly.begin(), kStockOnly.end());  // foreign, but known
+  auto sentences = describeUnknownParameters(private_nh, all);
+  for (auto& sentence : describeUnknownArguments(arguments, of_method)) {
+    sentences.push_back(std::move(sentence));
+  }
+  return sentences;
+}
+
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh) {
   std::vector<std::string> sentences;
   for (const Parameter& parameter : stereoParameters()) {
@@ -186,9 +205,9 @@ std::vector<std::string> describeForeignParameters(const ros::NodeHandle& privat
     if (private_nh.getParam(parameter.name, value) &&
         !(value >= parameter.lowest && value <= parameter.highest)) {
       std::ostringstream sentence;
-      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", out of ["
-               << parameter.lowest << ", " << parameter.highest
-               << "]: the nearest value is used (units may not be those of stereo_image_proc)";
+      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", expected "
+               << rangeText(parameter.lowest, parameter.highest)
+               << ": the nearest value is used (units may not be those of stereo_image_proc)";
       sentences.push_back(sentence.str());
     }
   }

@@ -46,4 +46,9 @@ std::vector<std::string> offerParameters(const StereoOptions& options, ros::Node
 /// stereo_image_proc's that has no meaning here.
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh);
 
+/// One sentence for each private parameter that the nodelet cbmv_stereo/stereo does not know, and
+/// for each argument that the launch file does not (describeUnknownArguments).
+std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
+                                              const std::string& arguments);
+
 }  // namespace cbmv
