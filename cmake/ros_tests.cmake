@@ -74,7 +74,7 @@ foreach(test_name ${CBMV_ROSTESTS})
                              CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>"
                              CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>"
                              CBMV_NODELET_PROGRAM="${nodelet_PREFIX}/lib/nodelet/nodelet")
-  target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
+  target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES} ${rosbag_LIBRARIES})
 endforeach()
 list(TRANSFORM CBMV_ROSTESTS APPEND _rostest)
 add_custom_target(rostests DEPENDS ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node cbmv_bag cbmv_match)

@@ -12,8 +12,8 @@ std::string inputName(const ros::NodeHandle& nh, const std::string& name,
   return is_remapped ? name : configured;
 }
 
-InputNames stereoInputNames(const ros::NodeHandle& nh, const PrivateParameters& parameters) {
-  InputNames names;
+TopicNames stereoInputNames(const ros::NodeHandle& nh, const PrivateParameters& parameters) {
+  TopicNames names;
   for (std::size_t i = 0; i < kInputs; ++i) {
     names[i] = inputName(nh, kStereoInputTopics[i],
                          parameters.get<std::string>(kStereoTopicParameters[i]));
@@ -25,7 +25,7 @@ std::string colorInputName(const ros::NodeHandle& nh, const PrivateParameters& p
   return inputName(nh, kColorTopic, parameters.get<std::string>(kColorTopicParameter));
 }
 
-void requireDifferentTopics(const InputNames& names) {
+void requireDifferentTopics(const TopicNames& names) {
   for (std::size_t i = 0; i < kInputs; ++i) {
     for (std::size_t j = i + 1; j < kInputs; ++j) {
       if (names[i] == names[j]) {

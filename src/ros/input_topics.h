@@ -13,7 +13,7 @@
 namespace cbmv {
 
 /// Of each input, by InputIndex.
-using InputNames = std::array<std::string, kInputs>;
+using TopicNames = std::array<std::string, kInputs>;
 
 /// The name to use for an input that the nodelet calls `name` and a parameter calls `configured`: a
 /// remap of `name` wins, so that a launch file which sets the parameter can be included with remaps
@@ -23,12 +23,12 @@ std::string inputName(const ros::NodeHandle& nh, const std::string& name,
 
 /// The names of the inputs of cbmv_stereo/stereo, relative to the namespace of the nodelet or
 /// absolute.
-InputNames stereoInputNames(const ros::NodeHandle& nh, const PrivateParameters& parameters);
+TopicNames stereoInputNames(const ros::NodeHandle& nh, const PrivateParameters& parameters);
 /// The same of its colour image.
 std::string colorInputName(const ros::NodeHandle& nh, const PrivateParameters& parameters);
 
 /// Throws Error if two of the inputs are one topic. `names` are resolved.
-void requireDifferentTopics(const InputNames& names);
+void requireDifferentTopics(const TopicNames& names);
 
 /// The name to subscribe by: the resolved one, so that the topics which an image transport adds
 /// below it (image/compressed) follow a remap of the image; `name` itself where the resolved name

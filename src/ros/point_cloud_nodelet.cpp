@@ -54,7 +54,7 @@ void PointCloudNodelet::initialize() {
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
   inputs_ = std::make_unique<CloudInputs>(
       getNodeHandle(), parameters,
-      InputNames{kCloudInputTopics[0], kCloudInputTopics[1], kCloudInputTopics[2],
+      TopicNames{kCloudInputTopics[0], kCloudInputTopics[1], kCloudInputTopics[2],
                  kCloudInputTopics[3]},
       [this](const auto&... messages) { worker_->submit({messages...}); });
   topics_ = inputs_->topics();

@@ -48,7 +48,7 @@ class PointCloudNodelet : public nodelet::Nodelet {
   void warn(int cause, const std::string& sentence);
 
   CloudOptions options_;
-  InputNames topics_;               ///< resolved
+  TopicNames topics_;               ///< resolved
   std::mutex subscriptions_mutex_;  ///< of what follows
   bool stopping_ = false;
   std::unique_ptr<CloudInputs> inputs_;

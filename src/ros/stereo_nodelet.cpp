@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified 
 /// Causes of warnings besides the values of InputFault.
 enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps, kDoubtfulInput };
 
-StereoTopics toTopics(const InputNames& names) {
+StereoTopics toTopics(const TopicNames& names) {
   return {names[kFirst], names[kFirstInfo], names[kSecond], names[kSecondInfo]};
 }
 

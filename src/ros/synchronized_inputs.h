@@ -61,7 +61,7 @@ class SynchronizedInputs {
   /// `names` as in the code or as configured, to be resolved and remapped. Throws Error if two of
   /// them are the same topic.
   SynchronizedInputs(const ros::NodeHandle& nh, const PrivateParameters& parameters,
-                     InputNames names, Callback callback)
+                     TopicNames names, Callback callback)
       : nh_(nh),
         transport_(nh),
         hints_("raw", ros::TransportHints(), parameters.nodeHandle()),
@@ -108,15 +108,15 @@ class SynchronizedInputs {
   }
 
   /// Types of the messages, such as sensor_msgs/Image.
-  static InputNames types() {
+  static TopicNames types() {
     namespace traits = ros::message_traits;
     return {traits::datatype<First>(), traits::datatype<sensor_msgs::CameraInfo>(),
             traits::datatype<Second>(), traits::datatype<sensor_msgs::CameraInfo>()};
   }
 
   /// Resolved.
-  InputNames topics() const {
-    InputNames resolved;
+  TopicNames topics() const {
+    TopicNames resolved;
     std::transform(names_.begin(), names_.end(), resolved.begin(),
                    [this](const std::string& name) { return nh_.resolveName(name); });
     return resolved;
@@ -136,7 +136,7 @@ class SynchronizedInputs {
     if (!subscribed_) {
       return {};
     }
-    const InputNames names = topics();
+    const TopicNames names = topics();
     return monitor_.report(ros::SteadyTime::now(),
                            {{{names[kFirst], first_.publishers() > 0},
                              {names[kFirstInfo], first_info_.publishers() > 0},
@@ -169,7 +169,7 @@ class SynchronizedInputs {
   ros::NodeHandle nh_;
   image_transport::ImageTransport transport_;
   const image_transport::TransportHints hints_;
-  const InputNames names_;
+  const TopicNames names_;
   const SyncOptions options_;
   Callback callback_;
   SyncMonitor monitor_;
