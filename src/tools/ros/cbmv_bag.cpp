@@ -17,13 +17,16 @@
 #include "../stereo_arguments.h"
 #include "offline/bag_check.h"
 #include "offline/conversion.h"
+#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/output_check.h"
 
 namespace cbmv {
 namespace {
 
+constexpr const char* kTool = "cbmv_bag";
 constexpr int kIncomplete = 3;  ///< exit status: done as far as possible, but not all
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -56,10 +59,35 @@ std::optional<DisparityFormat> fileFormat(const std::string& format, const std::
              : std::nullopt;
 }
 
+/// What became of the output, and on stderr why it is not all that was asked for.
+void reportOutput(const std::string& output, const ConversionSummary& summary) {
+  for (const std::string& problem : summary.problems) {
+    std::fprintf(stderr, "%s: %s\n", kTool, problem.c_str());
+  }
+  const char* text = summary.interrupted   ? "%s is not complete; --resume goes on\n"
+                     : summary.was_written ? "wrote %s\n"
+                                           : "nothing was written to %s\n";
+  std::printf(text, output.c_str());
+}
+
+/// Before the work, whose result could not be kept.
+void requireWritable(const Arguments& arguments) {
+  const ConversionOptions& options = arguments.conversion;
+  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+  if (arguments.json.empty()) {
+    return;
+  }
+  requireWritableFile(arguments.json);
+  for (const std::string& input : options.inputs) {
+    requireOtherFile(input, arguments.json);
+  }
+}
+
 int convert(Arguments& arguments) {
   ConversionOptions& options = arguments.conversion;
   options.files = fileFormat(arguments.format, options.output);
-  options.matching.stereo = readStereoOptions(arguments.stereo, "cbmv_bag");
+  options.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  requireWritable(arguments);
   if (!arguments.shard.empty()) {
     options.shard = parseShard(arguments.shard);
   }
@@ -85,13 +113,12 @@ int convert(Arguments& arguments) {
   if (!arguments.json.empty()) {
     writeJson(arguments.json, summaryJson(summary));
   }
-  std::printf(summary.interrupted ? "%s is not complete; --resume goes on\n" : "wrote %s\n",
-              options.output.c_str());
+  reportOutput(options.output, summary);
   return summary.isComplete() ? 0 : kIncomplete;
 }
 
 int check(Arguments& arguments) {
-  arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, "cbmv_bag");
+  arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
   const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
@@ -195,7 +222,7 @@ int runMerge(int argc, char** argv) {
   addCompression(app, options.compression);
   app.add_flag("--overwrite", options.overwrite, "Replace the output if it exists");
   int status = 0;
-  const int refusal = runTool(app, argc, argv, "cbmv_bag", [&] { status = merge(options); });
+  const int refusal = runTool(app, argc, argv, kTool, [&] { status = merge(options); });
   return refusal != 0 ? refusal : status;
 }
 
@@ -212,7 +239,7 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
         "BAG...` makes one bag from those of all shards.");
   }
   int status = 0;
-  const int refusal = runTool(app, argc, argv, "cbmv_bag",
+  const int refusal = runTool(app, argc, argv, kTool,
                               [&] { status = is_check ? check(arguments) : convert(arguments); });
   return refusal != 0 ? refusal : status;
 }
