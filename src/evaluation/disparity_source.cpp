@@ -9,6 +9,7 @@
 
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv {
@@ -21,6 +22,7 @@ constexpr double kPngDivisor = 256.0;
 SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
   StereoOptions options = matcher.options();
   options.range = {0, scene.calibration.disparities};
+  requireMemory(scene.left.size(), options);
   matcher.setOptions(options);
   return toSceneMaps(matcher.match(scene.left, scene.right));
 }

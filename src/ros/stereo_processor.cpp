@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "ros/image_conversion.h"
-#include "ros/machine_memory.h"
 
+#include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {

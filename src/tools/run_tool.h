@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cbmv_stereo/pipeline/machine_memory.h"
+
 namespace cbmv {
 
 /// Exit status of a tool that refuses.
@@ -23,7 +25,7 @@ int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& 
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", name, error.what());
+    std::fprintf(stderr, "%s: %s\n", name, describeFailure(error).c_str());
     return kBadInput;
   }
 }
