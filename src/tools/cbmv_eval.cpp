@@ -51,9 +51,10 @@ std::string nameOf(const std::string& path) {
 }
 
 /// Other scenes may have the same names, so the fingerprint holds the place too, which a checksum
-/// does not tell.
+/// does not tell, and how the truth is read.
 std::string identityOf(const cbmv::DataSet& data_set) {
-  return data_set.title() + " " + std::filesystem::weakly_canonical(data_set.folder()).string();
+  return data_set.title() + " " + data_set.kind() + " " +
+         std::filesystem::weakly_canonical(data_set.folder()).string();
 }
 
 /// By the three folds of Middlebury v3. Training leaves out what --exclude names.

@@ -13,8 +13,10 @@
 namespace cbmv {
 
 inline constexpr const char* kDataSetHelp =
-    "KIND:DIR; KIND is middlebury_v3, middlebury_2005 (2006 too), kitti2012, kitti2015 or eth3d; "
-    "or list:FILE, a text file of lines `left right disparity scale [ndisp]`";
+    "KIND:DIR; KIND is middlebury_v3, middlebury_2005 (2006 too; third size), "
+    "middlebury_2005_half, "
+    "middlebury_2005_full, kitti2012, kitti2015 or eth3d; or list:FILE, a text file of lines `left "
+    "right disparity scale [ndisp]`";
 
 /// --dataset, repeatable.
 inline void addDataSetOption(CLI::App& app, std::vector<std::string>& data_sets) {

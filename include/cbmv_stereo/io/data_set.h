@@ -17,9 +17,11 @@ enum class Truth { kRequired, kOptional };
 /// `visible` the part of it that both cameras see.
 ///
 /// - middlebury_v3: SCENE/ of readMiddleburyScene. ndisp from calib.txt.
-/// - middlebury_2005 (2006 too; third size): SCENE/view1.png (left), view5.png (right), disp1.png
-///   (value / 3, 0 unknown). Visible: where disp5.png, the truth of view5, agrees within 1 px;
-///   without that file visibleInBoth(truth). 85 disparities.
+/// - middlebury_2005, middlebury_2005_half, middlebury_2005_full (2006 too; third, half and full
+///   size): SCENE/view1.png (left), view5.png (right), disp1.png (value / 3, 2 or 1; 0 unknown).
+///   Visible: where disp5.png, the truth of view5, agrees within 1 px; without that file
+///   visibleInBoth(truth). 85, 128 or 255 disparities. It is an Error where images are too wide for
+///   the size, or gray values tell that the truth is of another one.
 /// - kitti2012: image_0/SCENE.png (left), image_1 (right), disp_noc (value / 256, 0 unknown; the
 ///   visible pixels) and, where it is there, disp_occ, the truth of all pixels. 228 disparities.
 /// - kitti2015: the same with image_2, image_3, disp_noc_0, disp_occ_0.
