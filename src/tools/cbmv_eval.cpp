@@ -13,6 +13,7 @@
 
 #include "../io/binary_file.h"
 #include "data_arguments.h"
+#include "program_files.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/error.h"
@@ -112,7 +113,8 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   if (arguments.folds > 0) {
     setUpFolds(arguments, options, data_set, settings, evaluation);
   } else {
-    const auto forest = std::make_shared<cbmv::Forest>(cbmv::readForest(arguments.forest));
+    const auto forest =
+        std::make_shared<cbmv::Forest>(cbmv::readForest(cbmv::forestFile(arguments.forest)));
     evaluation.report.forest = forest->name;
     settings += cbmv::forestChecksum(*forest);
     evaluation.source = cbmv::matchingSource(forest, options.front());
@@ -178,6 +180,9 @@ void requireWritableOutputs(const Arguments& arguments) {
 
 /// What the options imply of each other.
 void complete(Arguments& arguments) {
+  for (std::string& preset : arguments.presets) {
+    preset = cbmv::presetFile(preset);
+  }
   if (!arguments.report.empty()) {
     cbmv::requireWritableFolder(arguments.report);
     cbmv::makeFolder(arguments.report);
@@ -262,7 +267,8 @@ void evaluate(Arguments arguments) {
 
 void addSourceOptions(CLI::App& app, Arguments& arguments) {
   CLI::Option_group* source = app.add_option_group("What is measured", "One of these");
-  source->add_option("--forest", arguments.forest, "Match with this forest");
+  source->add_option("--forest", arguments.forest,
+                     std::string(cbmv::kForestHelp) + "; scenes are matched with it");
   CLI::Option* disparities = source->add_option(
       "--disparities", arguments.disparities,
       "Folder of ready maps: SCENE.pfm or SCENE.png (16 bits, value / 256, 0 = none), and "
@@ -274,9 +280,11 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
-  app.add_option("--preset", arguments.presets,
-                 "YAML file of parameters; the disparities searched are those of the scene. With "
-                 "--folds 3 also three, separated by commas, for each fold its own")
+  app.add_option(
+         "--preset", arguments.presets,
+         cbmv::kPresetHelp +
+             std::string("; the disparities searched are those of the scene. With "
+                         "--folds 3 also three, separated by commas, for each fold its own"))
       ->delimiter(',')
       ->excludes(disparities)
       ->excludes(baseline);

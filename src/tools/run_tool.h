@@ -14,10 +14,12 @@ namespace cbmv {
 inline constexpr int kBadInput = 2;
 
 /// Parses the command line and runs a tool's body: what main returns. 0 where all is well or only
-/// help was asked for; 2 for a wrong command line, which CLI11 explains, and for an exception of
-/// the body, which becomes one line on stderr that begins with the tool's name.
+/// help or the version was asked for; 2 for a wrong command line, which CLI11 explains, and for an
+/// exception of the body, which becomes one line on stderr that begins with the tool's name.
 template <typename Body>
 int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& body) {
+  app.set_version_flag("--version", std::string(name) + " " CBMV_VERSION,
+                       "Print the version and exit");
   try {
     app.parse(argc, argv);
     body();

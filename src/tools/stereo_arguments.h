@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "program_files.h"
+
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {
@@ -17,7 +19,8 @@ struct StereoArguments {
 };
 
 inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
-  app.add_option("--preset", arguments.preset, "YAML file of parameters; the options win over it");
+  app.add_option("--preset", arguments.preset,
+                 kPresetHelp + std::string("; the options win over it"));
   app.add_option("--disparities", arguments.disparities, "Number of disparities, px; default 64")
       ->check(CLI::Range(1, 4096));
   app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px; default 0")
@@ -33,7 +36,7 @@ inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
 inline StereoOptions readStereoOptions(const StereoArguments& arguments, const char* tool) {
   StereoOptions options;
   if (!arguments.preset.empty()) {
-    readPreset(arguments.preset, options);
+    readPreset(presetFile(arguments.preset), options);
   }
   options.range.count = arguments.disparities.value_or(options.range.count);
   options.range.min = arguments.min_disparity.value_or(options.range.min);

@@ -226,6 +226,32 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   }
 }
 
+TEST_F(ToolsTest, TellTheirVersion) {
+  for (const std::string tool : {"cbmv_match", "cbmv_eval", "cbmv_train", "cbmv_tune"}) {
+    EXPECT_EQ(run(tool, "--version").status, 0);
+    run(tool, "--version | tee " + path("version"));
+    EXPECT_THAT(contentOf(path("version")), testing::MatchesRegex(tool + " [0-9]+[.0-9]+\n"));
+  }
+}
+
+TEST_F(ToolsTest, KnowPresetsAndForestsByName) {
+  writeScene(path("data/One"), scene_);
+  const std::string data = "--dataset middlebury_v3:" + path("data");
+  EXPECT_EQ(run("cbmv_eval",
+                data + " --forest middlebury_small --preset realtime --csv " + path("report.csv"))
+                .status,
+            0);
+  const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest;
+  EXPECT_EQ(run("cbmv_match", pair + " --preset realtime --output " + path("out")).status, 0);
+  expectRefusal(run("cbmv_match", pair + " --preset fast --output " + path("out")),
+                {"no preset 'fast'", "balanced, ", "realtime", "path"});
+  expectRefusal(run("cbmv_eval", data + " --forest small"),
+                {"no forest 'small'", "middlebury_small", "path"});
+  expectRefusal(run("cbmv_tune",
+                    data + " --forest " + kForest + " --start fast --output " + path("tuned.yaml")),
+                {"no preset 'fast'"});
+}
+
 TEST_F(ToolsTest, TuneWritesAPreset) {
   writeScene(path("data/One"), scene_);
   const std::string rest = " --dataset middlebury_v3:" + path("data") + " --forest " + kForest +
