@@ -14,6 +14,7 @@
 #include "../io/binary_file.h"
 #include "data_arguments.h"
 #include "program_files.h"
+#include "range_checks.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/error.h"
@@ -321,7 +322,7 @@ int main(int argc, char** argv) {
   cbmv::addSceneOptions(app, arguments.filter);
   addSourceOptions(app, arguments);
   app.add_option("--threads", arguments.options.threads, "0: as many as the machine has")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
   addOutputOptions(app, arguments);
   cbmv::addTrainingOptions(app, arguments.training);

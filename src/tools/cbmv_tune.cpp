@@ -10,6 +10,7 @@
 
 #include "data_arguments.h"
 #include "program_files.h"
+#include "range_checks.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
@@ -82,24 +83,24 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--evaluations", request.search.evaluations, "Presets that are tried")
-      ->check(CLI::PositiveNumber)
+      ->check(cbmv::wholeNumber(1))
       ->capture_default_str();
   app.add_option("--global-evaluations", request.search.global_evaluations,
                  "So many of them all over the space, before the search around the best")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
   app.add_option(
          "--rows", request.rows,
          "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
          "the whole image; 0: all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
   app.add_flag(
       "--cross-validate", request.cross_validate,
       "Search three more times, without one fold of Middlebury v3 each, score that fold, and "
       "write its preset to PRESET_without_fold_N.yaml, for cbmv_eval --folds 3");
   app.add_option("--threads", request.start.threads, "0: as many as the machine has")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
 }
 

@@ -1,9 +1,11 @@
 // The command-line programs as a user meets them: what they write, what they say of bad input.
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -223,6 +225,25 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
     const std::string folder = path("text.png/folder");
     expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
                   {folder, path("text.png") + " is none"});
+  }
+}
+
+TEST_F(ToolsTest, TellTheBoundsOfNumbers) {
+  const std::string match = "left right --forest f --output o ";
+  const std::string tune = "--dataset d --forest f --output o ";
+  for (const auto& [tool, arguments, message] : std::vector<std::array<std::string, 3>>{
+           {"cbmv_match", match + "--disparities 0",
+            "--disparities: is \"0\", expected a whole number from 1 to 4096"},
+           {"cbmv_match", match + "--threads 1.5",
+            "\"1.5\", expected a whole number from 0 to 1024"},
+           {"cbmv_tune", tune + "--evaluations 0", "is \"0\", expected a whole number from 1 to 1"},
+           {"cbmv_tune", tune + "--rows many", "--rows: is \"many\", expected a whole number"},
+           {"cbmv_eval", "--dataset d --forest f --threads -1", "from 0 to 1024"},
+           {"cbmv_train", "--dataset d --output o --max-samples 0", "a whole number from 1 to"}}) {
+    const Outcome outcome = run(tool, arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.output, testing::HasSubstr(message));
+    EXPECT_LT(outcome.output.size(), 200U);
   }
 }
 
