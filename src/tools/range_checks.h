@@ -33,6 +33,12 @@ inline CLI::Validator wholeNumber(long lowest, long highest = 1000000000) {
       "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest));
 }
 
+/// A finite number that is not negative.
+inline CLI::Validator nonNegativeNumber() {
+  return numberCheck<double>([](double number) { return number >= 0 && std::isfinite(number); },
+                             "a number from 0");
+}
+
 /// A finite number above 0.
 inline CLI::Validator positiveNumber() {
   return numberCheck<double>([](double number) { return number > 0 && std::isfinite(number); },

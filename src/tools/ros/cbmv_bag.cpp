@@ -13,6 +13,7 @@
 #include <malloc.h>
 
 #include "../progress_bar.h"
+#include "../range_checks.h"
 #include "../run_tool.h"
 #include "../stereo_arguments.h"
 #include "offline/bag_check.h"
@@ -121,14 +122,14 @@ void addInput(CLI::App& app, Arguments& arguments) {
                  "Namespace of left/… and right/…, and of what is written");
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
                  "Between the images of a pair; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonNegativeNumber())
       ->capture_default_str();
   app.add_option("--start", options.plan.start_s, "Seconds of the recording that are left out")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--duration", options.plan.duration_s, "Seconds to process; 0: to the end")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--every", options.plan.every, "Process one of so many pairs")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
 }
 
@@ -172,7 +173,7 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
   app.add_option("--frames-per-part", options.frames_per_part,
                  "A run that is killed loses at most so many frames")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "File for the summary");
 }
