@@ -90,6 +90,16 @@ TEST(FileSource, ReadsIntegersWithoutConfidence) {
   EXPECT_TRUE(maps.confidence.empty());
 }
 
+TEST(FileSource, ExtensionsMayBeInUpperCase) {
+  const TemporaryFolder folder;
+  const StereoScene scene = makeScene(2);
+  const cv::Mat words(scene.truth.size(), CV_16UC1, cv::Scalar(640));
+  writeImage(folder.file("Scene.PNG"), words);
+  EXPECT_EQ(fileSource(folder.file(""))(scene).disparity.at<float>(1, 1), 2.5F);
+  writePfm(folder.file("Scene.PFM"), cv::Mat(scene.truth.size(), CV_32FC1, cv::Scalar(3)));
+  EXPECT_EQ(fileSource(folder.file(""))(scene).disparity.at<float>(1, 1), 3.0F);
+}
+
 TEST(FileSource, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
   const StereoScene scene = makeScene(2);

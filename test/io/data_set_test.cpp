@@ -246,7 +246,7 @@ TEST_F(DataSetTest, ReadsAList) {
   writeImage(place("list/a/truth.png"), noc_);
   writePfm(place("list/b/truth.pfm"), cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(1.5)));
   folder_.write("list/pairs.txt",
-                "# my pairs\n\n b/left.png b/right.png\tb/truth.pfm 1\r\n"
+                "\xEF\xBB\xBF# my pairs\n\n b/left.png b/right.png\tb/truth.pfm 1\r\n"
                 "./a/left.png a/right.png a/truth.png 256 5  # five\n");
   const DataSet data_set = open("list", "list/pairs.txt");
   EXPECT_EQ(data_set.title(), "list pairs");
