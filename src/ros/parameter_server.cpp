@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -16,35 +14,10 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/pipeline/presets.h"
 
 namespace cbmv {
 namespace {
-
-namespace fs = std::filesystem;
-
-const char* const kPresetEnding = ".yaml";
-
-/// Whether a preset is given by its file, not by its name.
-bool isFile(const std::string& preset) {
-  return preset.find('/') != std::string::npos || fs::path(preset).extension() == kPresetEnding;
-}
-
-std::string presetFolder() { return ros::package::getPath("cbmv_stereo") + "/config/"; }
-
-std::string presetNames() {
-  std::set<std::string> names;
-  std::error_code no_folder;
-  for (const auto& file : fs::directory_iterator(presetFolder(), no_folder)) {
-    if (file.path().extension() == kPresetEnding) {
-      names.insert(file.path().stem().string());
-    }
-  }
-  std::string list;
-  for (const std::string& name : names) {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list;
-}
 
 /// Parameters of stereo_image_proc/disparity that nothing here corresponds to.
 constexpr std::array<const char*, 10> kStockOnly = {
@@ -135,16 +108,12 @@ std::string presetPath(const std::string& preset) {
   if (preset.empty() || preset == kNoPreset) {
     return {};
   }
-  return isFile(preset) ? preset : presetFolder() + preset + kPresetEnding;
+  return presetPath(preset, ros::package::getPath("cbmv_stereo") + "/config");
 }
 
 void applyPreset(const std::string& preset, StereoOptions& options) {
   const std::string path = presetPath(preset);
   if (!path.empty()) {
-    if (!isFile(preset) && !fs::exists(path)) {
-      throw Error("there is no preset '" + preset + "'; there are " + presetNames() +
-                  ", or give the path of a YAML file");
-    }
     readPreset(path, options);
   }
 }

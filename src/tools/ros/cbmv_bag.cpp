@@ -12,7 +12,9 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include "../program_files.h"
 #include "../progress_bar.h"
+#include "../range_checks.h"
 #include "../run_tool.h"
 #include "../stereo_arguments.h"
 #include "offline/bag_check.h"
@@ -94,7 +96,7 @@ int convert(Arguments& arguments) {
   options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
                     : arguments.resume  ? EarlierParts::kResume
                                         : EarlierParts::kRefuse;
-  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   ConversionSummary summary;
   {
     ProgressBar bar(stderr, isTerminal(stderr));
@@ -119,7 +121,7 @@ int convert(Arguments& arguments) {
 
 int check(Arguments& arguments) {
   arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
-  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
   for (const std::string& problem : found.problems) {
@@ -148,20 +150,20 @@ void addInput(CLI::App& app, Arguments& arguments) {
                  "Namespace of left/… and right/…, and of what is written");
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
                  "Between the images of a pair; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonNegativeNumber())
       ->capture_default_str();
   app.add_option("--start", options.plan.start_s, "Seconds of the recording that are left out")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--duration", options.plan.duration_s, "Seconds to process; 0: to the end")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--every", options.plan.every, "Process one of so many pairs")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
 }
 
 void addMatching(CLI::App& app, Arguments& arguments) {
   MatchingOptions& options = arguments.conversion.matching;
-  app.add_option("--forest", arguments.forest, "File of the forest")->required();
+  app.add_option("--forest", arguments.forest, kForestHelp)->required();
   addStereoOptions(app, arguments.stereo);
   app.add_option("--min-confidence", options.min_confidence,
                  "Pixels of a lower confidence have no disparity")
@@ -199,7 +201,7 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
   app.add_option("--frames-per-part", options.frames_per_part,
                  "A run that is killed loses at most so many frames")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "File for the summary");
 }
