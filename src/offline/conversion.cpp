@@ -210,7 +210,10 @@ void finishOutput(const ConversionOptions& options, const BagSet& bags, const Fr
     files->writeIndex(segments.paths());
     segments.remove();
   } else if (all_failed && !label) {
-    summary.problems.emplace_back("all frames failed");
+    // After a resumed run, the reasons of the frames before are not known any more.
+    const auto& failures = summary.failures;
+    summary.problems.push_back("all frames failed" +
+                               (failures.empty() ? "" : ": " + failures.begin()->first));
     segments.remove();
     return;
   } else {

@@ -149,11 +149,27 @@ TEST_F(ToolsTest, MatchSaysWhatIsWrongWithTheCalibration) {
                            " --output " + path("out") + " --calibration ";
   expectRefusal(run("cbmv_match", rest + path("none.txt")), {path("none.txt"), "no such file"});
   expectRefusal(run("cbmv_match", rest + path("text.png")), {path("text.png"), "cam0"});
-  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "--right-calibration"});
+  CameraCalibration camera;
+  camera.width = 160;
+  camera.height = 100;
+  writeCameraYaml(path("left.yaml"), camera);
+  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right one"});
   writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 320, 200, 32});
   expectRefusal(run("cbmv_match", rest + path("calib.txt")),
-                {path("calib.txt"), "320x200", path("left.png"), "160x100"});
+                {path("calib.txt"), "320 x 200 px", path("left.png"), "160 x 100 px"});
   EXPECT_FALSE(std::filesystem::exists(path("out")));
+}
+
+TEST_F(ToolsTest, MatchTakesTheRangeOfTheCalibration) {
+  writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 160, 100, 17});
+  const std::string rest = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --calibration " + path("calib.txt") + " --output ";
+  ASSERT_EQ(run("cbmv_match", rest + path("told")).status, 0);
+  ASSERT_EQ(run("cbmv_match", rest + path("asked") + " --disparities 17").status, 0);
+  ASSERT_EQ(run("cbmv_match", rest + path("other") + " --disparities 30").status, 0);
+  const std::string told = contentOf(path("told/disparity.pfm"));
+  EXPECT_TRUE(told == contentOf(path("asked/disparity.pfm")));
+  EXPECT_FALSE(told == contentOf(path("other/disparity.pfm")));
 }
 
 TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {
