@@ -14,7 +14,7 @@ target_include_directories(cbmv_benchmark PRIVATE ${PROJECT_SOURCE_DIR}/benchmar
                            ${PROJECT_SOURCE_DIR}/test)
 target_compile_definitions(cbmv_benchmark PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                            ${CBMV_HIGHWAY_OPTIONS})
-target_link_libraries(cbmv_benchmark PRIVATE cbmv hwy::hwy TBB::tbb benchmark::benchmark
+target_link_libraries(cbmv_benchmark PRIVATE cbmv cbmv_tool_support hwy::hwy TBB::tbb benchmark::benchmark
                       CLI11::CLI11)
 if(CBMV_BUILD_TESTS)
   add_dependencies(tests cbmv_benchmark)

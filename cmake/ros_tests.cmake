@@ -51,9 +51,9 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs: it looks for them where catkin puts programs.
-set(CBMV_ROSTESTS stereo configuration point_cloud worker_threads faults faults_time faults_parameters
+set(CBMV_ROSTESTS stereo configuration launch_names point_cloud worker_threads faults faults_time faults_parameters
     faults_lifecycle faults_sim_time)
-set(launch_files stereo_node stereo_nodelet configuration worker_threads faults faults_lifecycle
+set(launch_files stereo_node stereo_nodelet configuration launch_names worker_threads faults faults_lifecycle
     faults_sim_time)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)
   list(APPEND CBMV_ROSTESTS parity replacement frame_path)
@@ -74,7 +74,7 @@ foreach(test_name ${CBMV_ROSTESTS})
                              CBMV_STEREO_NODE="$<TARGET_FILE:cbmv_stereo_node>"
                              CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_match>"
                              CBMV_NODELET_PROGRAM="${nodelet_PREFIX}/lib/nodelet/nodelet")
-  target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES})
+  target_link_libraries(${program} PRIVATE ${catkin_LIBRARIES} ${rosbag_LIBRARIES})
 endforeach()
 list(TRANSFORM CBMV_ROSTESTS APPEND _rostest)
 add_custom_target(rostests DEPENDS ${CBMV_ROSTESTS} forest_fixture cbmv_stereo_node cbmv_bag cbmv_match)

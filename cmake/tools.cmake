@@ -6,6 +6,8 @@ file(GLOB tool_support_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools
 list(FILTER tool_support_sources EXCLUDE REGEX "/cbmv_[^/]*$")
 add_library(cbmv_tool_support STATIC ${tool_support_sources})
 target_include_directories(cbmv_tool_support PUBLIC ${PROJECT_SOURCE_DIR}/src)
+target_compile_definitions(cbmv_tool_support PUBLIC CBMV_VERSION="${PROJECT_VERSION}"
+                           PRIVATE CBMV_SOURCE_TREE="${PROJECT_SOURCE_DIR}")
 target_link_libraries(cbmv_tool_support PUBLIC cbmv)
 
 set(CBMV_TOOLS)

@@ -5,10 +5,12 @@
 #include <utility>
 
 #include "../io/binary_file.h"
+#include "../io/file_extension.h"
 #include "../io/scene_files.h"
 
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv {
@@ -21,16 +23,26 @@ constexpr double kPngDivisor = 256.0;
 SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
   StereoOptions options = matcher.options();
   options.range = {0, scene.calibration.disparities};
+  requireMemory(scene.left.size(), options);
   matcher.setOptions(options);
   return toSceneMaps(matcher.match(scene.left, scene.right));
 }
 
+/// The map of a scene; SCENE.pfm where there is none.
+fs::path mapFile(const fs::path& folder, const std::string& scene) {
+  for (const char* extension : {".pfm", ".PFM", ".png", ".PNG"}) {
+    const fs::path file = folder / (scene + extension);
+    if (fs::exists(file)) {
+      return file;
+    }
+  }
+  return folder / (scene + ".pfm");
+}
+
 SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
-  const fs::path float_file = folder / (scene.name + ".pfm");
-  const fs::path integer_file = folder / (scene.name + ".png");
+  const fs::path file = mapFile(folder, scene.name);
   const fs::path confidence_file = folder / (scene.name + "_confidence.pfm");
-  const bool is_float = fs::exists(float_file) || !fs::exists(integer_file);
-  const fs::path& file = is_float ? float_file : integer_file;
+  const bool is_float = hasExtension(file, ".pfm");
   SceneMaps maps;
   maps.disparity = readDisparity(file.string(), is_float ? 1.0 : kPngDivisor);
   requireSameSize(file, maps.disparity.size(), "the scene's left image", scene.left.size());

@@ -5,6 +5,8 @@
 #include <optional>
 #include <sstream>
 
+#include "cbmv_stereo/pipeline/machine_memory.h"
+
 namespace cbmv {
 namespace {
 
@@ -28,7 +30,7 @@ std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string&
     }
     return matched;
   } catch (const std::exception& error) {
-    events.failure("scene " + name + " is left out: " + error.what());
+    events.failure("scene " + name + " is left out: " + describeFailure(error));
     return std::nullopt;
   }
 }

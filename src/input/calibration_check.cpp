@@ -72,10 +72,11 @@ std::string entryText(const CameraCalibration& camera, std::size_t index) {
 /// Checks one camera by itself.
 class CameraChecker {
  public:
-  CameraChecker(const CameraCalibration& camera, std::string name, cv::Size image_size,
-                RectifiedBy rectified_by, CalibrationCheck& check)
+  CameraChecker(const CameraCalibration& camera, std::string name, std::string image_name,
+                cv::Size image_size, RectifiedBy rectified_by, CalibrationCheck& check)
       : camera_(camera),
         name_(std::move(name)),
+        image_name_(std::move(image_name)),
         image_size_(image_size),
         rectified_by_(rectified_by),
         check_(check) {}
@@ -97,6 +98,9 @@ class CameraChecker {
   void warn(const std::string& text) { check_.warnings.push_back(name_ + " " + text); }
 
   void checkSize() {
+    if (hasUnknownSize(camera_) && rectified_by_ == RectifiedBy::kFiles) {
+      return;  // formats without a size
+    }
     if (hasUnknownSize(camera_)) {
       warn(join("has no image size (", camera_.width, " x ", camera_.height,
                 "); the size of the image, ", sizeText(image_size_),
@@ -108,7 +112,7 @@ class CameraChecker {
 
   std::string sizeMismatch() const {
     const cv::Size size = describedSize(camera_);
-    const std::string image = "the image has " + sizeText(image_size_);
+    const std::string image = image_name_ + " has " + sizeText(image_size_);
     if (size == cv::Size(image_size_.height, image_size_.width)) {
       return "describes images of " + sizeText(size) + ", " + image +
              ": width and height are exchanged. Exchange them in the calibration.";
@@ -207,6 +211,7 @@ class CameraChecker {
 
   const CameraCalibration& camera_;
   const std::string name_;
+  const std::string image_name_;
   const cv::Size image_size_;
   const RectifiedBy rectified_by_;
   CalibrationCheck& check_;
@@ -326,8 +331,10 @@ class PairChecker {
 CalibrationCheck checkCalibration(const StereoCameras& cameras, cv::Size image_size,
                                   const InputNames& names, RectifiedBy rectified_by) {
   CalibrationCheck check;
-  CameraChecker(cameras.left, names.left_info, image_size, rectified_by, check).run();
-  CameraChecker(cameras.right, names.right_info, image_size, rectified_by, check).run();
+  CameraChecker(cameras.left, names.left_info, names.left_image, image_size, rectified_by, check)
+      .run();
+  CameraChecker(cameras.right, names.right_info, names.right_image, image_size, rectified_by, check)
+      .run();
   if (check.errors.empty()) {
     PairChecker(cameras, names, check).run();
   }

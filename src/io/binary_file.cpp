@@ -1,5 +1,6 @@
 #include "binary_file.h"
 
+#include <array>
 #include <filesystem>
 #include <locale>
 
@@ -25,6 +26,17 @@ std::ifstream openForReading(const std::string& path, std::uintmax_t largest) {
     throw Error("Cannot read " + path + ": opening it failed, its permissions must allow reading.");
   }
   in.imbue(std::locale::classic());
+  return in;
+}
+
+std::ifstream openText(const std::string& path, std::uintmax_t largest) {
+  std::ifstream in = openForReading(path, largest);
+  std::array<char, 3> begin{};
+  in.read(begin.data(), begin.size());
+  if (!in || begin != std::array<char, 3>{'\xEF', '\xBB', '\xBF'}) {
+    in.clear();
+    in.seekg(0);
+  }
   return in;
 }
 

@@ -14,6 +14,10 @@ namespace cbmv {
 std::ifstream openForReading(const std::string& path,
                              std::uintmax_t largest = std::numeric_limits<std::uintmax_t>::max());
 
+/// The same for a text, behind the byte order mark where it begins with one (as some editors
+/// write).
+std::ifstream openText(const std::string& path, std::uintmax_t largest);
+
 /// All bytes of such a file.
 std::vector<std::uint8_t> readBytes(const std::string& path, std::uintmax_t largest);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iomanip>
 #include <locale>
 #include <sstream>
@@ -10,70 +9,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include "binary_file.h"
+#include "yaml_file.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 1 << 20;
 constexpr double kSame = 1e-3;  // px: what calibrations that were rounded may differ by
-
-/// The keys of one file, and what to say about those that are not as they should be.
-class CameraFile {
- public:
-  explicit CameraFile(const std::string& path) : path_(path) {
-    std::ifstream in = openForReading(path, kLargestFile);
-    try {
-      root_ = YAML::Load(in);
-    } catch (const YAML::Exception& error) {
-      throw Error("Cannot read " + path + ": it is no YAML, " + error.what() + ".");
-    }
-    if (!root_.IsMap()) {
-      throw Error("Cannot read " + path + ": it is no calibration of a camera, which has keys " +
-                  "such as image_width and projection_matrix.");
-    }
-  }
-
-  int wholeNumber(const char* key) const {
-    try {
-      return root_[key].as<int>();
-    } catch (const YAML::Exception&) {
-      throw Error("Cannot read " + path_ + ": key " + key + " must be a whole number.");
-    }
-  }
-
-  /// Empty where there is none.
-  std::string text(const char* key) const { return root_[key].as<std::string>(""); }
-
-  template <std::size_t count>
-  std::array<double, count> matrix(const char* key) const {
-    const std::vector<double> numbers = data(key);
-    if (numbers.size() != count) {
-      failMatrix(key, count);
-    }
-    std::array<double, count> matrix{};
-    std::copy(numbers.begin(), numbers.end(), matrix.begin());
-    return matrix;
-  }
-
-  std::vector<double> data(const char* key) const {
-    try {
-      return root_[key]["data"].as<std::vector<double>>();
-    } catch (const YAML::Exception&) {
-      throw Error("Cannot read " + path_ + ": key " + key + " must hold a list of numbers, data.");
-    }
-  }
-
- private:
-  [[noreturn]] void failMatrix(const char* key, std::size_t count) const {
-    throw Error("Cannot read " + path_ + ": key " + key + " must hold " + std::to_string(count) +
-                " numbers in data.");
-  }
-
-  std::string path_;
-  YAML::Node root_;
-};
 
 template <typename Numbers>
 void writeMatrix(std::ostream& text, const char* key, std::size_t rows, const Numbers& numbers) {
@@ -103,16 +46,22 @@ void requireRectified(const CameraCalibration& camera, const std::string& path) 
 }  // namespace
 
 CameraCalibration readCameraYaml(const std::string& path) {
-  const CameraFile file(path);
+  const YamlFile file(path,
+                      "calibration of a camera, which has keys such as image_width and "
+                      "projection_matrix");
   CameraCalibration camera;
   camera.width = file.wholeNumber("image_width");
   camera.height = file.wholeNumber("image_height");
   camera.name = file.text("camera_name");
-  camera.camera_matrix = file.matrix<9>("camera_matrix");
+  camera.camera_matrix = file.numbers<9>("camera_matrix");
   camera.distortion_model = file.text("distortion_model");
-  camera.distortion = file.data("distortion_coefficients");
-  camera.rectification = file.matrix<9>("rectification_matrix");
-  camera.projection = file.matrix<12>("projection_matrix");
+  camera.distortion = file.numbers("distortion_coefficients");
+  camera.rectification = file.numbers<9>("rectification_matrix");
+  camera.projection = file.numbers<12>("projection_matrix");
+  camera.binning_x = file.has("binning_x") ? std::max(1, file.wholeNumber("binning_x")) : 1;
+  camera.binning_y = file.has("binning_y") ? std::max(1, file.wholeNumber("binning_y")) : 1;
+  camera.roi = {file.wholeNumberIn("roi", "x_offset"), file.wholeNumberIn("roi", "y_offset"),
+                file.wholeNumberIn("roi", "width"), file.wholeNumberIn("roi", "height")};
   return camera;
 }
 

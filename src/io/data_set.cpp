@@ -18,10 +18,14 @@ struct Kind {
   std::unique_ptr<SceneReader> (*make_reader)(const std::string&, Truth);
 };
 
-constexpr std::array<Kind, 6> kKinds = {{
+constexpr std::array<Kind, 8> kKinds = {{
     {"middlebury_v3", "Middlebury v3", "folders with im0.png and calib.txt", makeMiddleburyReader},
     {"middlebury_2005", "Middlebury 2005/2006", "folders with view1.png and view5.png",
      makeMiddlebury2005Reader},
+    {"middlebury_2005_half", "Middlebury 2005/2006", "folders with view1.png and view5.png",
+     makeMiddlebury2005HalfReader},
+    {"middlebury_2005_full", "Middlebury 2005/2006", "folders with view1.png and view5.png",
+     makeMiddlebury2005FullReader},
     {"kitti2012", "KITTI 2012", "disp_noc/NNNNNN_10.png", makeKitti2012Reader},
     {"kitti2015", "KITTI 2015", "disp_noc_0/NNNNNN_10.png", makeKitti2015Reader},
     {"eth3d", "ETH3D", "folders with im0.png and calib.txt", makeEth3dReader},

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 
+#include "file_extension.h"
 #include "image_decoding.h"
 
 #include "cbmv_stereo/error.h"
@@ -30,7 +30,7 @@ cv::Mat readIntegers(const std::string& path) {
 }  // namespace
 
 cv::Mat readDisparity(const std::string& path, double divisor) {
-  const bool is_float = std::filesystem::path(path).extension() == ".pfm";
+  const bool is_float = hasExtension(path, ".pfm");
   const cv::Mat values = is_float ? readPfm(path) : readIntegers(path);
   cv::Mat disparity;
   values.convertTo(disparity, CV_32F, 1.0 / divisor);

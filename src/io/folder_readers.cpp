@@ -1,14 +1,11 @@
-// Data sets that are a folder in a layout of their own: Middlebury, ETH3D, KITTI.
+// Data sets that are a folder in a layout of their own: Middlebury v3, ETH3D, KITTI.
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "scene_files.h"
 #include "scene_reader.h"
 
-#include "cbmv_stereo/evaluation/disparity_error.h"
 #include "cbmv_stereo/io/middlebury_scene.h"
 
 namespace cbmv {
@@ -17,35 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kEth3dDisparities = 64;
-constexpr int kMiddlebury2005Disparities = 85;  // third size: 255 / 3
-constexpr double kMiddlebury2005Divisor = 3.0;
 constexpr int kKittiDisparities = 228;
 constexpr double kKittiDivisor = 256.0;
-
-/// 255 where the right image's true disparities confirm the left ones within 1 px, else 0.
-cv::Mat confirmedByRightTruth(const cv::Mat& truth, const cv::Mat& right_truth) {
-  cv::Mat visible(truth.size(), CV_8UC1, cv::Scalar(0));
-  for (int y = 0; y < truth.rows; ++y) {
-    for (int x = 0; x < truth.cols; ++x) {
-      const float d = truth.at<float>(y, x);
-      const float column = std::round(static_cast<float>(x) - d);
-      if (column >= 0.0F && column < static_cast<float>(truth.cols) &&
-          std::abs(right_truth.at<float>(y, static_cast<int>(column)) - d) <= 1.0F) {
-        visible.at<uchar>(y, x) = 255;
-      }
-    }
-  }
-  return visible;
-}
-
-/// Of a data set without calibration files.
-StereoCalibration searchRange(const cv::Size& size, int disparities) {
-  StereoCalibration calibration;
-  calibration.width = size.width;
-  calibration.height = size.height;
-  calibration.disparities = std::min(disparities, size.width);
-  return calibration;
-}
 
 class MiddleburyReader : public SceneReader {
  public:
@@ -65,37 +35,6 @@ class MiddleburyReader : public SceneReader {
   fs::path folder_;
   int default_disparities_;
   Truth truth_;
-};
-
-class Middlebury2005Reader : public SceneReader {
- public:
-  explicit Middlebury2005Reader(fs::path folder) : folder_(std::move(folder)) {}
-
-  std::vector<std::string> scenes() const override {
-    return listEntries(folder_, [](const fs::path& entry) {
-      return fs::exists(entry / "view1.png") && fs::exists(entry / "view5.png");
-    });
-  }
-
-  StereoScene read(const std::string& name) const override {
-    const fs::path base = folder_ / name;
-    const fs::path left_file = base / "view1.png";
-    StereoScene scene;
-    scene.name = name;
-    readPair(left_file, base / "view5.png", scene);
-    const auto read_truth = [&](const char* file) {
-      return readMatchingDisparity(base / file, kMiddlebury2005Divisor, left_file, scene.left);
-    };
-    scene.truth = read_truth("disp1.png");
-    scene.visible = fs::exists(base / "disp5.png")
-                        ? confirmedByRightTruth(scene.truth, read_truth("disp5.png"))
-                        : visibleInBoth(scene.truth);
-    scene.calibration = searchRange(scene.left.size(), kMiddlebury2005Disparities);
-    return scene;
-  }
-
- private:
-  fs::path folder_;
 };
 
 /// Names of the folders in a KITTI data set.
@@ -172,10 +111,6 @@ std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder, Tru
 
 std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder, Truth truth) {
   return std::make_unique<MiddleburyReader>(folder, kEth3dDisparities, truth);
-}
-
-std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder, Truth /*truth*/) {
-  return std::make_unique<Middlebury2005Reader>(folder);
 }
 
 std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder, Truth truth) {

@@ -72,7 +72,7 @@ int neededDisparities(const cv::Mat& truth) {
 class ListReader : public SceneReader {
  public:
   explicit ListReader(const fs::path& file) : folder_(file.parent_path()) {
-    std::ifstream in = openForReading(file.string(), kLargestFile);
+    std::ifstream in = openText(file.string(), kLargestFile);
     std::string text;
     for (int number = 1; std::getline(in, text); ++number) {
       text.erase(std::min(text.find('#'), text.size()));

@@ -21,13 +21,21 @@ cv::Mat readVisible(const fs::path& file, const cv::Mat& truth, const fs::path& 
   return (mask == 255) & (truth == truth);  // NaN differs from itself
 }
 
+/// disp0GT.pfm of the evaluation's folders, disp0.pfm of the data sets of 2014; the former where
+/// there is neither.
+fs::path truthFile(const fs::path& folder) {
+  const fs::path of_evaluation = folder / "disp0GT.pfm";
+  const fs::path of_data_set = folder / "disp0.pfm";
+  return !fs::exists(of_evaluation) && fs::exists(of_data_set) ? of_data_set : of_evaluation;
+}
+
 }  // namespace
 
 StereoScene readMiddleburyScene(const std::string& folder, int default_disparities,
                                 bool truth_required) {
   const fs::path base(folder);
   const fs::path left_file = base / "im0.png";
-  const fs::path truth_file = base / "disp0GT.pfm";
+  const fs::path truth_file = truthFile(base);
   const fs::path calibration_file = base / "calib.txt";
   StereoScene scene;
   scene.name = fs::absolute(base / ".").lexically_normal().parent_path().filename().string();

@@ -1,7 +1,9 @@
 #include "cbmv_stereo/io/pfm.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <vector>
 
 #include "binary_file.h"
@@ -17,12 +19,23 @@ struct PfmHeader {
   int width;
   int height;
   bool little_endian;
+
+  std::uintmax_t bytesOfValues() const {
+    return std::uintmax_t{4} * static_cast<std::uintmax_t>(width) *
+           static_cast<std::uintmax_t>(height);
+  }
 };
 
-/// Leaves `in` at the first value. One white-space character ends the header.
+void skipComments(std::ifstream& in) {
+  while ((in >> std::ws).peek() == '#') {
+    in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+}
+
+/// Leaves `in` behind the scale.
 PfmHeader readHeader(std::ifstream& in, const std::string& path) {
-  char magic[2] = {};
-  in.read(magic, 2);
+  std::array<char, 2> magic{};
+  in.read(magic.data(), magic.size());
   if (!in || magic[0] != 'P' || magic[1] != 'f') {
     throw Error("Cannot read " + path + ": it is not a grey portable float map, which begins " +
                 "with \"Pf\".");
@@ -30,8 +43,12 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   long long width = 0;
   long long height = 0;
   double scale = 0.0;
-  in >> width >> height >> scale;
-  in.get();
+  skipComments(in);
+  in >> width;
+  skipComments(in);
+  in >> height;
+  skipComments(in);
+  in >> scale;
   if (!in || scale == 0.0) {
     throw Error("Cannot read " + path + ": its header must hold width, height and a scale other " +
                 "than 0 after \"Pf\".");
@@ -43,10 +60,19 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   return {static_cast<int>(width), static_cast<int>(height), scale < 0.0};
 }
 
+/// Leaves `in` at the first value: one white-space character ends the header, or, in files of
+/// Windows, two; as the first value may begin with a line feed, the size of the file decides.
+void skipHeaderEnd(std::ifstream& in, const std::string& path, std::uintmax_t bytes_of_values) {
+  const bool carriage_return = in.get() == '\r';
+  const auto header_bytes = static_cast<std::uintmax_t>(in.tellg());
+  if (carriage_return && in.peek() == '\n' &&
+      std::filesystem::file_size(path) == header_bytes + 1 + bytes_of_values) {
+    in.get();
+  }
+}
+
 void checkFileSize(const std::string& path, const PfmHeader& header, std::uintmax_t header_bytes) {
-  const std::uintmax_t expected = header_bytes + std::uintmax_t{4} *
-                                                     static_cast<std::uintmax_t>(header.width) *
-                                                     static_cast<std::uintmax_t>(header.height);
+  const std::uintmax_t expected = header_bytes + header.bytesOfValues();
   const std::uintmax_t actual = std::filesystem::file_size(path);
   if (actual != expected) {
     throw Error("Cannot read " + path + ": it has " + std::to_string(actual) + " bytes, but a " +
@@ -60,6 +86,7 @@ void checkFileSize(const std::string& path, const PfmHeader& header, std::uintma
 cv::Mat readPfm(const std::string& path) {
   std::ifstream in = openForReading(path);
   const PfmHeader header = readHeader(in, path);
+  skipHeaderEnd(in, path, header.bytesOfValues());
   checkFileSize(path, header, static_cast<std::uintmax_t>(in.tellg()));
   cv::Mat map(header.height, header.width, CV_32FC1);
   std::vector<std::uint8_t> bytes(std::size_t{4} * static_cast<std::size_t>(header.width));

@@ -50,6 +50,14 @@ cv::Mat readMatchingDisparity(const std::filesystem::path& file, double divisor,
   return disparity;
 }
 
+StereoCalibration searchRange(const cv::Size& size, int disparities) {
+  StereoCalibration calibration;
+  calibration.width = size.width;
+  calibration.height = size.height;
+  calibration.disparities = std::min(disparities, size.width);
+  return calibration;
+}
+
 std::vector<std::string> listEntries(
     const std::filesystem::path& folder,
     const std::function<bool(const std::filesystem::path&)>& accept) {

@@ -26,6 +26,9 @@ void readPair(const std::filesystem::path& left_file, const std::filesystem::pat
 cv::Mat readMatchingDisparity(const std::filesystem::path& file, double divisor,
                               const std::filesystem::path& left_file, const cv::Mat& left);
 
+/// Of a data set without calibration files: the size, and so many disparities, at most the width.
+StereoCalibration searchRange(const cv::Size& size, int disparities);
+
 /// Names of the entries of `folder` whose path `accept` takes, sorted. Throws Error when `folder`
 /// is not a folder.
 std::vector<std::string> listEntries(

@@ -21,6 +21,8 @@ class SceneReader {
 std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeMiddlebury2005HalfReader(const std::string& folder, Truth truth);
+std::unique_ptr<SceneReader> makeMiddlebury2005FullReader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeKitti2012Reader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeKitti2015Reader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeListReader(const std::string& file, Truth truth);

@@ -43,17 +43,15 @@ void describePairs(const FramePlan& plan, BagCheck& check) {
                 (plan.topics.left.raw ? " (raw, will be rectified)" : "") + "\n" +
                 format("  %zu left and %zu right images, %zu pairs, %zu to process\n",
                        plan.left_images, plan.right_images, plan.pairs, plan.frames.size());
-  if (plan.left_alone > 0 && std::isfinite(plan.smallest_gap_s) && plan.smallest_gap_s > 0) {
-    check.problems.push_back(
-        format("%zu left images have no right one of their stamp; the nearest is %.6f s away, so "
-               "--max-stamp-difference-s %.2g or more would pair some",
-               plan.left_alone, plan.smallest_gap_s, 1.05 * plan.smallest_gap_s));
-  } else if (plan.left_alone > 0) {
-    check.problems.push_back(format("%zu left images have no right one", plan.left_alone));
+  const PlanProblems problems = findProblems(plan);
+  if (!problems.nothing_to_process.empty()) {
+    check.problems.push_back(problems.nothing_to_process);
   }
+  check.problems.insert(check.problems.end(), problems.others.begin(), problems.others.end());
   if (plan.infos_of_other_stamps > 0) {
     check.text +=
-        format("  %zu of them take the camera_info nearest in time\n", plan.infos_of_other_stamps);
+        format("  %zu of them have no camera_info of their stamp and take the last one before\n",
+               plan.infos_of_other_stamps);
   }
 }
 
@@ -106,7 +104,6 @@ void describeCost(const FramePlan& plan, FrameProcessor& processor, const Prepar
 std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const FrameProcessor& processor,
                                         bool allow_different_frame_ids, BagCheck& check) {
   if (plan.frames.empty()) {
-    check.problems.emplace_back("there is no pair to process");
     return std::nullopt;
   }
   try {

@@ -164,7 +164,8 @@ void BagReader::walkFile() {
   while (readRecord(bytes, begin, file_.size(), record)) {
     if (record.op == rosbag::OP_FILE_HEADER) {
       if (!textField(record.fields, rosbag::ENCRYPTOR_FIELD_NAME).empty()) {
-        throw Error(path_ + " is encrypted; `rosbag decompress` makes a bag that can be read");
+        throw Error(path_ + " is encrypted, expected a bag that is not. Decrypt it with `rosbag "
+                            "decrypt`, on a machine that has the key.");
       }
       indexed = numberField(record, rosbag::INDEX_POS_FIELD_NAME) != 0;
     } else if (record.op == rosbag::OP_CHUNK) {

@@ -10,6 +10,7 @@
 
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
+#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
@@ -138,11 +139,17 @@ void processFrames(const PipelineParts& parts, Segments& segments, ConversionSum
   summary.cpu_seconds = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC;
   summary.processed = report.frames;
   summary.failures = report.failures;
+  for (const auto& [warning, frames] : report.warnings) {
+    summary.warnings.push_back(warning);
+  }
   summary.matching_seconds = report.matching_seconds;
   summary.interrupted = segments.framesDone() < summary.plan.framesToProcess();
 }
 
 void requireFitting(const ConversionOptions& options) {
+  for (const std::string& input : options.inputs) {
+    requireOtherFile(input, options.output);
+  }
   const auto compression = compressionOf(options.compression);
   const bool compressed = compression != rosbag::compression::Uncompressed;
   if (options.files && (options.copy || compressed || options.shard)) {
@@ -183,7 +190,36 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
   plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
   summary.plan = planFrames(bags, findCameraTopics(bags, options.topics), plan);
   summary.threads = threadsOf(options.matching.stereo);
+  const PlanProblems problems = findProblems(summary.plan);
+  if (!problems.nothing_to_process.empty()) {
+    summary.problems.push_back(problems.nothing_to_process);
+  }
+  summary.warnings = problems.others;
   return summary;
+}
+
+/// Makes the output of the parts. A bag without a single result would look like one.
+void finishOutput(const ConversionOptions& options, const BagSet& bags, const FrameOutputs& outputs,
+                  const std::optional<ShardLabel>& label, const FrameFiles* files,
+                  Segments& segments, ConversionSummary& summary) {
+  if (summary.interrupted) {
+    return;
+  }
+  const bool all_failed = summary.failed == summary.plan.framesToProcess();
+  if (files != nullptr) {
+    files->writeIndex(segments.paths());
+    segments.remove();
+  } else if (all_failed && !label) {
+    // After a resumed run, the reasons of the frames before are not known any more.
+    const auto& failures = summary.failures;
+    summary.problems.push_back("all frames failed" +
+                               (failures.empty() ? "" : ": " + failures.begin()->first));
+    segments.remove();
+    return;
+  } else {
+    mergeParts(options, bags, summary, outputs, label, segments);
+  }
+  summary.was_written = true;
 }
 
 /// Writes what a frame has become, and tells how far it is.
@@ -206,6 +242,9 @@ ConversionSummary convertBags(const ConversionOptions& options,
   requireFitting(options);  // before anything is done
   const BagSet bags(options.inputs);
   ConversionSummary summary = planConversion(options, bags);
+  if (summary.plan.frames.empty() && !options.shard) {
+    return summary;
+  }
   const FrameOutputs outputs(options.outputs, summary.plan.topics);
   const std::string origin = describeOrigin(options, summary.plan, bags, *forest, outputs.topics());
   const std::optional<ShardLabel> label =
@@ -218,6 +257,7 @@ ConversionSummary convertBags(const ConversionOptions& options,
   segments.setFramesPerPart(options.frames_per_part);
   summary.was_complete = segments.isComplete();
   if (summary.was_complete) {
+    summary.was_written = true;
     return summary;
   }
   summary.resumed = segments.framesDone();
@@ -237,12 +277,7 @@ ConversionSummary convertBags(const ConversionOptions& options,
   processFrames(parts, segments, summary);
   summary.failed =
       countFailed(segments, files ? FrameFiles::doneTopic() : outputs.topics().front());
-  if (!summary.interrupted && files) {
-    files->writeIndex(segments.paths());
-    segments.remove();
-  } else if (!summary.interrupted) {
-    mergeParts(options, bags, summary, outputs, label, segments);
-  }
+  finishOutput(options, bags, outputs, label, files.get(), segments, summary);
   return summary;
 }
 

@@ -42,13 +42,18 @@ struct ConversionSummary {
   std::vector<std::string> damages;             ///< of the input
   bool interrupted = false;                     ///< the output is not complete
   bool was_complete = false;                    ///< nothing was left to resume
+  bool was_written = false;                     ///< the output is there
+  std::vector<std::string> problems;            ///< that left frames undone
+  std::vector<std::string> warnings;            ///< that make results doubtful
   double seconds = 0;                           ///< from the first frame of this run to the last
   double matching_seconds = 0;                  ///< that the matcher was busy
   double cpu_seconds = 0;                       ///< of processor in `seconds`, of all threads
   int threads = 0;
 
   /// Whether all that could be expected of the recording is in the output.
-  bool isComplete() const { return !interrupted && failed == 0 && damages.empty(); }
+  bool isComplete() const {
+    return !interrupted && failed == 0 && damages.empty() && problems.empty();
+  }
 };
 
 /// What a conversion tells its caller while it runs; may be called by several threads, one at a
@@ -60,8 +65,9 @@ struct ConversionEvents {
 
 /// Processes bags. Reading and preparing, matching, and writing overlap; the memory is that of a
 /// few frames. The output holds the same whatever the number of threads, and however often the
-/// conversion was stopped and resumed. Throws Error if the input or the options cannot be used, or
-/// the output cannot be written.
+/// conversion was stopped and resumed. Where there is no frame to process, or all fail, no bag is
+/// written. Throws Error if the input or the options cannot be used, if the output is one of the
+/// inputs, or if it cannot be written.
 ConversionSummary convertBags(const ConversionOptions& options,
                               const std::shared_ptr<const Forest>& forest,
                               const ConversionEvents& events);

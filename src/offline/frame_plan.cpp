@@ -1,8 +1,10 @@
 #include "offline/frame_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 
 #include "offline/pairing.h"
@@ -13,6 +15,7 @@
 namespace cbmv {
 namespace {
 
+constexpr double kLargestSensibleGapS = 1;  // between the images of a pair
 constexpr double kLongestDurationS = 2e9;  // ros::Duration holds a little more
 
 using Messages = std::vector<BagMessage>;
@@ -35,8 +38,19 @@ class StampedTopic {
     stamps_ = stampsOf(messages_);
   }
   bool empty() const { return messages_.empty(); }
-  const BagMessage& nearest(const ros::Time& stamp) const {
-    return messages_[nearestStamp(stamps_, stamp)];
+  /// The message for an image: of its stamp, else of the last stamp before it, else of the first
+  /// one. Of several with that stamp the last that was recorded before the image, else the first.
+  const BagMessage& of(const BagMessage& image) const {
+    const auto later = std::upper_bound(stamps_.begin(), stamps_.end(), image.entry->stamp);
+    const ros::Time& stamp = later == stamps_.begin() ? stamps_.front() : *(later - 1);
+    const auto [first, end] = std::equal_range(stamps_.begin(), stamps_.end(), stamp);
+    const auto begin = messages_.begin() + (first - stamps_.begin());
+    const auto recorded_later = std::upper_bound(
+        begin, messages_.begin() + (end - stamps_.begin()), image.entry->time,
+        [](const ros::Time& time, const BagMessage& message) {
+          return time < message.entry->time;
+        });
+    return recorded_later == begin ? *begin : *(recorded_later - 1);
   }
 
  private:
@@ -119,11 +133,9 @@ class Companions {
 
   PlannedFrame join(const BagMessage& left, const BagMessage& right) const {
     const ros::Time& stamp = left.entry->stamp;
-    PlannedFrame frame{
-        left,         right, left_infos_.nearest(stamp), right_infos_.nearest(right.entry->stamp),
-        std::nullopt, 0};
-    if (!colors_.empty() && colors_.nearest(stamp).entry->stamp == stamp) {
-      frame.color = colors_.nearest(stamp);
+    PlannedFrame frame{left, right, left_infos_.of(left), right_infos_.of(right), std::nullopt, 0};
+    if (!colors_.empty() && colors_.of(left).entry->stamp == stamp) {
+      frame.color = colors_.of(left);
     }
     return frame;
   }
@@ -134,6 +146,30 @@ class Companions {
   StampedTopic colors_;
 };
 
+/// Says how many left images have no partner, and what would give them one; empty if all have one.
+std::string unpairedText(const FramePlan& plan) {
+  if (plan.left_alone == 0) {
+    return {};
+  }
+  const std::string images = std::to_string(plan.left_alone) + " left images have no right one";
+  if (!std::isfinite(plan.smallest_gap_s) || plan.smallest_gap_s <= 0) {
+    return images + ". Check that both cameras were recorded in that time.";
+  }
+  std::array<char, 160> remedy{};
+  if (plan.smallest_gap_s > kLargestSensibleGapS) {
+    std::snprintf(remedy.data(), remedy.size(),
+                  " of their stamp; the nearest stamp is %.3g s away: the clocks of the cameras "
+                  "differ. Synchronize them.",
+                  plan.smallest_gap_s);
+  } else {
+    std::snprintf(remedy.data(), remedy.size(),
+                  " of their stamp; the nearest is %.6f s away. Pair them with "
+                  "--max-stamp-difference-s %.2g.",
+                  plan.smallest_gap_s, 1.05 * plan.smallest_gap_s);
+  }
+  return images + remedy.data();
+}
+
 bool isOfSameInterval(const PlannedFrame& a, const PlannedFrame& b, double interval_s) {
   const auto interval = [&](const PlannedFrame& frame) {
     return std::floor(frame.left.entry->stamp.toSec() / interval_s);
@@ -142,6 +178,31 @@ bool isOfSameInterval(const PlannedFrame& a, const PlannedFrame& b, double inter
 }
 
 }  // namespace
+
+PlanProblems findProblems(const FramePlan& plan) {
+  PlanProblems problems;
+  const std::string unpaired = unpairedText(plan);
+  if (plan.frames.empty()) {
+    const std::string images = std::to_string(plan.left_images) + " left and " +
+                               std::to_string(plan.right_images) + " right images";
+    problems.nothing_to_process =
+        "no pair to process: " +
+        (plan.left_images + plan.right_images == 0
+             ? "the part of the recording that was asked for has no images on " +
+                   plan.topics.left.name + " and " + plan.topics.right.name +
+                   ". Change --start and --duration."
+             : images + ". " + (unpaired.empty() ? "No left image has a right one." : unpaired));
+  } else if (!unpaired.empty()) {
+    problems.others.push_back(unpaired);
+  }
+  if (plan.equal_stamps > 0) {
+    problems.others.push_back(
+        std::to_string(plan.equal_stamps) +
+        " pairs have the stamp of the pair before. They are paired in the order of the recording; "
+        "set header.stamp in the driver.");
+  }
+  return problems;
+}
 
 FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanOptions& options) {
   FramePlan plan;
@@ -162,6 +223,8 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
       continue;
     }
     frame.offset_frame = plan.offset_frames.size() - 1;
+    plan.equal_stamps += !plan.frames.empty() && plan.frames.back().left.entry->stamp ==
+                                                     frame.left.entry->stamp;
     plan.infos_of_other_stamps += frame.left_info.entry->stamp != left[l].entry->stamp ||
                                   frame.right_info.entry->stamp != right[r].entry->stamp;
     plan.frames.push_back(frame);

@@ -45,8 +45,9 @@ struct FramePlan {
   std::size_t pairs = 0;  ///< before `every`
   std::size_t left_alone = 0;
   std::size_t right_alone = 0;
-  std::size_t repeated_stamps = 0;
-  std::size_t infos_of_other_stamps = 0;  ///< frames whose camera_info is the nearest in time
+  std::size_t repeated_stamps = 0;  ///< images without a partner whose stamp others have
+  std::size_t equal_stamps = 0;     ///< pairs with the stamp of the pair before
+  std::size_t infos_of_other_stamps = 0;  ///< frames without a camera_info of their stamp
   double smallest_gap_s = 0;              ///< least difference of left_alone to any right image
 
   std::size_t framesToProcess() const { return frames.size() - first; }
@@ -56,8 +57,18 @@ struct FramePlan {
   }
 };
 
-/// Pairs the images in the bags by their stamps. Images without camera_info of their stamp take the
-/// nearest one. Throws Error if no calibration was recorded.
+/// What people should know of a plan before its frames are processed. Each text says what is wrong
+/// and what to do.
+struct PlanProblems {
+  /// Not empty: there is no frame, and why.
+  std::string nothing_to_process;
+  /// Images without a partner, stamps that do not increase.
+  std::vector<std::string> others;
+};
+PlanProblems findProblems(const FramePlan& plan);
+
+/// Pairs the images in the bags by their stamps. An image takes the camera_info of its stamp; else
+/// the last one before it, by stamp, else the first one. Throws Error if no calibration was recorded.
 FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanOptions& options);
 
 }  // namespace cbmv

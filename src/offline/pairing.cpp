@@ -9,27 +9,45 @@
 namespace cbmv {
 namespace {
 
-/// Sorted stamps, each once, and where they come from.
+/// Sorted stamps, each once, and the images that have them, in the order of the recording.
 struct SortedStamps {
   std::vector<ros::Time> stamps;
-  std::vector<std::size_t> indices;
+  std::vector<std::vector<std::size_t>> images;
 };
 
-SortedStamps sortStamps(const std::vector<ros::Time>& stamps, std::vector<std::size_t>& repeated) {
+SortedStamps sortStamps(const std::vector<ros::Time>& stamps) {
   std::vector<std::size_t> order(stamps.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return stamps[a] < stamps[b]; });
   SortedStamps sorted;
   for (const std::size_t index : order) {
-    if (!sorted.stamps.empty() && sorted.stamps.back() == stamps[index]) {
-      repeated.push_back(index);
-    } else {
+    if (sorted.stamps.empty() || sorted.stamps.back() != stamps[index]) {
       sorted.stamps.push_back(stamps[index]);
-      sorted.indices.push_back(index);
+      sorted.images.emplace_back();
     }
+    sorted.images.back().push_back(index);
   }
   return sorted;
+}
+
+/// Pairs the images of one left and one right stamp.
+void addPairs(const std::vector<std::size_t>& left, const std::vector<std::size_t>& right,
+              StampPairs& result) {
+  const std::size_t count = std::min(left.size(), right.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    result.pairs.emplace_back(left[i], right[i]);
+  }
+  const auto add_rest = [count](const auto& images, std::vector<std::size_t>& repeated) {
+    repeated.insert(repeated.end(), images.begin() + static_cast<std::ptrdiff_t>(count),
+                    images.end());
+  };
+  add_rest(left, result.left_repeated);
+  add_rest(right, result.right_repeated);
+}
+
+void append(const std::vector<std::size_t>& images, std::vector<std::size_t>& list) {
+  list.insert(list.end(), images.begin(), images.end());
 }
 
 }  // namespace
@@ -53,8 +71,8 @@ std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& 
 StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
                       double max_difference_s) {
   StampPairs result;
-  const SortedStamps lefts = sortStamps(left, result.left_repeated);
-  const SortedStamps rights = sortStamps(right, result.right_repeated);
+  const SortedStamps lefts = sortStamps(left);
+  const SortedStamps rights = sortStamps(right);
   const double bound_ns = std::round(std::max(0.0, max_difference_s) * 1e9);
   std::vector<bool> taken(rights.stamps.size(), false);
   for (std::size_t i = 0; i < lefts.stamps.size(); ++i) {
@@ -64,15 +82,15 @@ StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros:
                          static_cast<double>(distanceNs(stamp, rights.stamps[j])) <= bound_ns &&
                          nearestStamp(lefts.stamps, rights.stamps[j]) == i;
     if (is_pair) {
-      result.pairs.emplace_back(lefts.indices[i], rights.indices[j]);
+      addPairs(lefts.images[i], rights.images[j], result);
       taken[j] = true;
     } else {
-      result.left_alone.push_back(lefts.indices[i]);
+      append(lefts.images[i], result.left_alone);
     }
   }
   for (std::size_t j = 0; j < taken.size(); ++j) {
     if (!taken[j]) {
-      result.right_alone.push_back(rights.indices[j]);
+      append(rights.images[j], result.right_alone);
     }
   }
   return result;

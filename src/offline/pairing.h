@@ -14,12 +14,14 @@ struct StampPairs {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< left and right, by stamp
   std::vector<std::size_t> left_alone;                     ///< without a partner
   std::vector<std::size_t> right_alone;
-  std::vector<std::size_t> left_repeated;  ///< have the stamp of an image before them
+  std::vector<std::size_t> left_repeated;  ///< beyond the partners of their stamp
   std::vector<std::size_t> right_repeated;
 };
 
 /// Two images are a pair if each is the nearest in time to the other, and their stamps differ by
-/// `max_difference_s` (0: not at all) at most.
+/// `max_difference_s` (0: not at all) at most. Where several images have one stamp, as with drivers
+/// that do not set it, the first left one belongs to the first right one, the second to the second,
+/// as the live node pairs them. Pairs are in the order of the left stamps, then of the recording.
 StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
                       double max_difference_s);
 

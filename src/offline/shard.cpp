@@ -11,6 +11,7 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "offline/other_file.h"
 #include "offline/segments.h"
 
 #include "cbmv_stereo/error.h"
@@ -171,6 +172,9 @@ ShardLabel readShardLabel(const std::string& path) {
 
 MergeSummary mergeShards(const MergeOptions& options) {
   const rosbag::CompressionType compression = compressionOf(options.compression);
+  for (const std::string& shard : options.shards) {
+    requireOtherFile(shard, options.output);
+  }
   if (fs::exists(options.output) && !options.overwrite) {
     throw Error(options.output +
                 " exists; another name for the output, or --overwrite, would be right");

@@ -18,6 +18,10 @@ std::string count(std::size_t value, const std::string& what) {
   return value == 0 ? std::string() : "  " + std::to_string(value) + " " + what + "\n";
 }
 
+std::size_t framesDone(const ConversionSummary& summary) {
+  return summary.resumed + summary.processed - summary.failed;
+}
+
 double perFrame(double seconds, std::size_t frames) {
   return frames > 0 ? seconds / static_cast<double>(frames) : 0;
 }
@@ -41,10 +45,13 @@ double peakMemoryMb() {
 
 std::string describeSummary(const ConversionSummary& summary) {
   const FramePlan& plan = summary.plan;
-  std::string text = std::to_string(summary.resumed + summary.processed) + " of " +
+  std::string text = std::to_string(framesDone(summary)) + " of " +
                      std::to_string(plan.framesToProcess()) + " frames done";
+  if (summary.failed > 0) {
+    text += ", " + std::to_string(summary.failed) + " failed";
+  }
   if (summary.resumed > 0) {
-    text += ", " + std::to_string(summary.resumed) + " of them earlier";
+    text += ", " + std::to_string(summary.resumed) + " processed earlier";
   }
   if (summary.processed > 0) {
     text += "; " + number(framesPerSecond(summary)) + " frames/s, " +
@@ -54,14 +61,20 @@ std::string describeSummary(const ConversionSummary& summary) {
   text += "\n";
   text += count(plan.left_alone, "left images have no partner on " + plan.topics.right.name);
   text += count(plan.right_alone, "right images have no partner on " + plan.topics.left.name);
-  text += count(plan.repeated_stamps, "images repeat a stamp and were left out");
-  text += count(plan.infos_of_other_stamps, "frames took the camera_info nearest in time");
-  text += count(summary.failed, "frames failed");
+  text += count(plan.repeated_stamps, "images have the stamp of others and no partner");
+  text += count(plan.infos_of_other_stamps,
+                "frames have no camera_info of their stamp and took the last one before");
   for (const auto& [reason, frames] : summary.failures) {
     text += "    " + std::to_string(frames) + " times: " + reason + "\n";
   }
   for (const std::string& damage : summary.damages) {
     text += "  " + damage + "\n";
+  }
+  for (const std::string& problem : summary.problems) {
+    text += "  " + problem + "\n";
+  }
+  for (const std::string& warning : summary.warnings) {
+    text += "  warning: " + warning + "\n";
   }
   return text;
 }
@@ -82,7 +95,10 @@ std::string summaryJson(const ConversionSummary& summary) {
       {"right_images_without_partner", plan.right_alone},
       {"repeated_stamps", plan.repeated_stamps},
       {"camera_infos_of_other_stamps", plan.infos_of_other_stamps},
+      {"pairs_of_equal_stamps", plan.equal_stamps},
       {"damaged_bags", summary.damages},
+      {"problems", summary.problems},
+      {"warnings", summary.warnings},
       {"complete", summary.isComplete()},
       {"seconds", summary.seconds},
       {"frames_per_second", framesPerSecond(summary)},

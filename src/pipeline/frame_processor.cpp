@@ -15,17 +15,6 @@ std::string rangeText(const DisparityRange& range) {
   return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
 }
 
-/// The kernel ends a process that takes more than there is.
-void requireMachineHas(double required_mb, const std::string& images) {
-  const double present_mb = machineMemoryMb();
-  if (required_mb > present_mb) {
-    throw InputError(InputFault::kMemory,
-                     images + " need " + std::to_string(std::llround(required_mb)) +
-                         " MB, but the machine has " + std::to_string(std::llround(present_mb)) +
-                         " MB; lower disparity_range or take smaller images");
-  }
-}
-
 }  // namespace
 
 double disparityStep(const DisparityRange& range, const RefinementOptions& options) {
@@ -53,13 +42,12 @@ StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
   const std::string prefix = image_name.empty() ? "" : image_name + ": ";
   StereoOptions options = wanted;
   options.range = clipRange(wanted.range, image_size.width);
-  const std::string refusal = memoryRefusal(image_size, options);
-  if (!refusal.empty()) {
-    throw InputError(InputFault::kMemory, prefix + refusal);
+  for (const std::string& refusal :
+       {memoryRefusal(image_size, options), machineMemoryRefusal(image_size, options)}) {
+    if (!refusal.empty()) {
+      throw InputError(InputFault::kMemory, prefix + refusal);
+    }
   }
-  requireMachineHas(requiredMemoryMb(image_size, options),
-                    prefix + "images of " + sizeText(image_size) + " with " +
-                        std::to_string(options.range.count) + " disparities");
   return options;
 }
 

@@ -1,11 +1,16 @@
 #include "cbmv_stereo/pipeline/machine_memory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <string>
 
 #include <unistd.h>
+
+#include "cbmv_stereo/error.h"
+#include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
 namespace {
@@ -28,6 +33,18 @@ double lowestLimit(fs::path folder, const fs::path& mount, const std::string& fi
     bytes = std::min(bytes, limitIn(folder / file));
   }
   return bytes;
+}
+
+std::string wholeMb(double mb) { return std::to_string(std::llround(mb)) + " MB"; }
+
+/// Empty if the memory suffices.
+std::string refusal(double required_mb, const std::string& what, const std::string& remedy,
+                    double machine_mb) {
+  if (required_mb <= machine_mb) {
+    return {};
+  }
+  return what + " need " + wholeMb(required_mb) + ", but the machine has " + wholeMb(machine_mb) +
+         "; " + remedy;
 }
 
 }  // namespace
@@ -58,6 +75,42 @@ double machineMemoryMb() {
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   std::ifstream groups("/proc/self/cgroup");
   return std::min(machine_bytes, groupLimitBytes(groups, "/sys/fs/cgroup")) / (1 << 20);
+}
+
+std::string machineMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
+                                 double machine_mb) {
+  return refusal(requiredMemoryMb(image_size, options),
+                 "images of " + std::to_string(image_size.width) + "x" +
+                     std::to_string(image_size.height) + " pixels with " +
+                     std::to_string(options.range.count) + " disparities",
+                 "lower disparity_range or take smaller images", machine_mb);
+}
+
+void requireMemory(const cv::Size& image_size, const StereoOptions& options) {
+  for (const std::string& sentence :
+       {memoryRefusal(image_size, options), machineMemoryRefusal(image_size, options)}) {
+    if (!sentence.empty()) {
+      throw Error(sentence);
+    }
+  }
+}
+
+void requireMachineMemory(double required_mb, const std::string& what, const std::string& remedy,
+                          double machine_mb) {
+  const std::string sentence = refusal(required_mb, what, remedy, machine_mb);
+  if (!sentence.empty()) {
+    throw Error(sentence);
+  }
+}
+
+std::string describeFailure(const std::exception& error) {
+  const auto* const of_opencv = dynamic_cast<const cv::Exception*>(&error);
+  const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+                         (of_opencv != nullptr && of_opencv->code == cv::Error::StsNoMem);
+  return no_memory ? "there is not enough memory; the machine has " + wholeMb(machineMemoryMb()) +
+                         ", which other programs use, too. Take smaller images, fewer disparities "
+                         "or fewer threads"
+                   : error.what();
 }
 
 }  // namespace cbmv

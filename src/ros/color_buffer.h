@@ -30,6 +30,11 @@ class ColorBuffer {
     added_.notify_all();
   }
 
+  void clear() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    images_.clear();
+  }
+
   /// Null if no image has that stamp. Where it may still come, because there is none of a later
   /// stamp, waits for it, but not for longer than `patience`.
   sensor_msgs::ImageConstPtr find(const ros::Time& stamp,

@@ -2,21 +2,27 @@
 
 #include <array>
 
+#include "ros/sync_monitor.h"
 #include "ros/synchronized_inputs.h"
 
 // The topics that the nodelets read, relative to their namespace: those of stereo_image_proc.
 
 namespace cbmv {
 
-using StereoInputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::CameraInfo,
-                                        sensor_msgs::Image, sensor_msgs::CameraInfo>;
-inline constexpr StereoInputs::Topics kStereoInputTopics = {
-    "left/image_rect", "left/camera_info", "right/image_rect", "right/camera_info"};
+/// By InputIndex.
+using InputTopics = std::array<const char*, kInputs>;
 
-using CloudInputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::CameraInfo,
-                                       sensor_msgs::CameraInfo, stereo_msgs::DisparityImage>;
+using StereoInputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::Image>;
+inline constexpr InputTopics kStereoInputTopics = {"left/image_rect", "left/camera_info",
+                                                   "right/image_rect", "right/camera_info"};
 inline constexpr const char* kColorTopic = "left/image_rect_color";
-inline constexpr CloudInputs::Topics kCloudInputTopics = {kColorTopic, "left/camera_info",
-                                                          "right/camera_info", "disparity"};
+/// The private parameters that name them.
+inline constexpr InputTopics kStereoTopicParameters = {"left_image_topic", "left_info_topic",
+                                                       "right_image_topic", "right_info_topic"};
+inline constexpr const char* kColorTopicParameter = "left_color_topic";
+
+using CloudInputs = SynchronizedInputs<sensor_msgs::Image, stereo_msgs::DisparityImage>;
+inline constexpr InputTopics kCloudInputTopics = {kColorTopic, "left/camera_info", "disparity",
+                                                  "right/camera_info"};
 
 }  // namespace cbmv

@@ -3,45 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <set>
 #include <sstream>
 #include <utility>
 
 #include <dynamic_reconfigure/Config.h>
 #include <ros/package.h>
 
+#include "ros/private_parameters.h"
+#include "ros/unknown_parameters.h"
+
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/pipeline/presets.h"
 
 namespace cbmv {
 namespace {
-
-namespace fs = std::filesystem;
-
-const char* const kPresetEnding = ".yaml";
-
-/// Whether a preset is given by its file, not by its name.
-bool isFile(const std::string& preset) {
-  return preset.find('/') != std::string::npos || fs::path(preset).extension() == kPresetEnding;
-}
-
-std::string presetFolder() { return ros::package::getPath("cbmv_stereo") + "/config/"; }
-
-std::string presetNames() {
-  std::set<std::string> names;
-  std::error_code no_folder;
-  for (const auto& file : fs::directory_iterator(presetFolder(), no_folder)) {
-    if (file.path().extension() == kPresetEnding) {
-      names.insert(file.path().stem().string());
-    }
-  }
-  std::string list;
-  for (const std::string& name : names) {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list;
-}
 
 /// Parameters of stereo_image_proc/disparity that nothing here corresponds to.
 constexpr std::array<const char*, 10> kStockOnly = {
@@ -132,16 +108,12 @@ std::string presetPath(const std::string& preset) {
   if (preset.empty() || preset == kNoPreset) {
     return {};
   }
-  return isFile(preset) ? preset : presetFolder() + preset + kPresetEnding;
+  return presetPath(preset, ros::package::getPath("cbmv_stereo") + "/config");
 }
 
 void applyPreset(const std::string& preset, StereoOptions& options) {
   const std::string path = presetPath(preset);
   if (!path.empty()) {
-    if (!isFile(preset) && !fs::exists(path)) {
-      throw Error("there is no preset '" + preset + "'; there are " + presetNames() +
-                  ", or give the path of a YAML file");
-    }
     readPreset(path, options);
   }
 }
@@ -179,6 +151,22 @@ std::vector<std::string> offerParameters(const StereoOptions& options,
   return differences;
 }
 
+std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
+                                              const std::string& arguments) {
+  std::vector<std::string> of_method;
+  for (const auto& description : cbmv_stereo::StereoConfig::__getParamDescriptions__()) {
+    of_method.push_back(description->name);
+  }
+  std::vector<std::string> all = namesOf(stereoPrivateParameters());
+  all.insert(all.end(), of_method.begin(), of_method.end());
+  all.insert(all.end(), kStockOnly.begin(), kStockOnly.end());  // foreign, but known
+  auto sentences = describeUnknownParameters(private_nh, all);
+  for (auto& sentence : describeUnknownArguments(arguments, of_method)) {
+    sentences.push_back(std::move(sentence));
+  }
+  return sentences;
+}
+
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh) {
   std::vector<std::string> sentences;
   for (const Parameter& parameter : stereoParameters()) {
@@ -186,9 +174,9 @@ std::vector<std::string> describeForeignParameters(const ros::NodeHandle& privat
     if (private_nh.getParam(parameter.name, value) &&
         !(value >= parameter.lowest && value <= parameter.highest)) {
       std::ostringstream sentence;
-      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", out of ["
-               << parameter.lowest << ", " << parameter.highest
-               << "]: the nearest value is used (units may not be those of stereo_image_proc)";
+      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", expected "
+               << rangeText(parameter.lowest, parameter.highest)
+               << ": the nearest value is used (units may not be those of stereo_image_proc)";
       sentences.push_back(sentence.str());
     }
   }

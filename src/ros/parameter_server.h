@@ -26,8 +26,8 @@ float minConfidence(const cbmv_stereo::StereoConfig& config);
 /// The entry preset of a configuration that takes its values from none.
 inline constexpr const char* kNoPreset = "custom";
 
-/// The file of a preset: empty for kNoPreset and for nothing; a path itself (with a slash or the
-/// ending .yaml); else config/NAME.yaml of this package.
+/// The file of a preset: empty for kNoPreset and for nothing, else as presets.h says, with the
+/// names of config/ of this package. Throws Error that lists the names if there is none.
 std::string presetPath(const std::string& preset);
 
 /// Sets what the preset names. Throws Error that names the file (readPreset), or that lists the
@@ -45,5 +45,10 @@ std::vector<std::string> offerParameters(const StereoOptions& options, ros::Node
 /// of its range here (stereo_image_proc's P1 and P2 have other units), or one of
 /// stereo_image_proc's that has no meaning here.
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh);
+
+/// One sentence for each private parameter that the nodelet cbmv_stereo/stereo does not know, and
+/// for each argument that the launch file does not (describeUnknownArguments).
+std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
+                                              const std::string& arguments);
 
 }  // namespace cbmv

@@ -10,11 +10,12 @@
 #include "ros/conversions.h"
 #include "ros/guarded.h"
 #include "ros/start_nodelet.h"
+#include "ros/unknown_parameters.h"
 
 namespace cbmv {
 namespace {
 
-constexpr double kWatchPeriodS = 1;
+constexpr double kWatchPeriodS = 0.25;
 /// Causes of warnings besides the values of InputFault.
 enum Cause { kFailed = 100, kColorUnusable, kWrongStamps };
 
@@ -40,6 +41,10 @@ void PointCloudNodelet::onInit() {
 void PointCloudNodelet::initialize() {
   const PrivateParameters parameters(getPrivateNodeHandle(), pointCloudPrivateParameters());
   options_ = readCloudOptions(parameters);
+  for (const std::string& sentence :
+       describeUnknownParameters(getPrivateNodeHandle(), namesOf(pointCloudPrivateParameters()))) {
+    NODELET_WARN_STREAM(sentence);
+  }
   worker_ = std::make_unique<FrameWorker<CloudMessages>>(
       [this](const CloudMessages& messages) { work(messages); });
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
@@ -48,7 +53,9 @@ void PointCloudNodelet::initialize() {
   // Until the publisher is there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
   inputs_ = std::make_unique<CloudInputs>(
-      getNodeHandle(), parameters, kCloudInputTopics,
+      getNodeHandle(), parameters,
+      TopicNames{kCloudInputTopics[0], kCloudInputTopics[1], kCloudInputTopics[2],
+                 kCloudInputTopics[3]},
       [this](const auto&... messages) { worker_->submit({messages...}); });
   topics_ = inputs_->topics();
   publisher_ = getNodeHandle().advertise<sensor_msgs::PointCloud2>("points2", 1, changed, changed);
@@ -85,6 +92,7 @@ void PointCloudNodelet::updateSubscriptions() {
 }
 
 void PointCloudNodelet::reportInputs() {
+  inputs_->handOverIfOverdue();
   const std::string silence = inputs_->reportSilence();
   if (!silence.empty()) {
     NODELET_WARN_STREAM(silence);
@@ -106,9 +114,11 @@ void PointCloudNodelet::work(const CloudMessages& messages) {
 }
 
 sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messages) {
-  const cv::Mat disparity = toValidDisparity(*messages.disparity, topics_[3]);
-  StereoGeometry geometry = toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
-                                       {topics_[0], topics_[1], topics_[0], topics_[2]});
+  const cv::Mat disparity = toValidDisparity(*messages.disparity, topics_[kSecond]);
+  const std::string& color_topic = topics_[kFirst];
+  StereoGeometry geometry =
+      toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
+                 {color_topic, topics_[kFirstInfo], color_topic, topics_[kSecondInfo]});
   takeFocalLengthAndBaseline(*messages.disparity, geometry);
   return toPointCloud({disparity, colorOf(messages, disparity.size()), {}}, geometry, options_,
                       messages.disparity->header);
@@ -116,7 +126,7 @@ sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messa
 
 cv::Mat PointCloudNodelet::colorOf(const CloudMessages& messages, cv::Size size) {
   const cv::Mat white(size, CV_8UC1, cv::Scalar(255));
-  return toCloudColor(messages.color, topics_[0], white, [this](const std::string& reason) {
+  return toCloudColor(messages.color, topics_[kFirst], white, [this](const std::string& reason) {
     warn(kColorUnusable, "the cloud stays white: " + reason);
   });
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -21,8 +20,8 @@ namespace cbmv {
 struct CloudMessages {
   sensor_msgs::ImageConstPtr color;
   sensor_msgs::CameraInfoConstPtr left_info;
-  sensor_msgs::CameraInfoConstPtr right_info;
   stereo_msgs::DisparityImageConstPtr disparity;
+  sensor_msgs::CameraInfoConstPtr right_info;
 };
 
 /// Makes a cloud of the disparity image of any node, with the topics and parameters of
@@ -49,8 +48,8 @@ class PointCloudNodelet : public nodelet::Nodelet {
   void warn(int cause, const std::string& sentence);
 
   CloudOptions options_;
-  std::array<std::string, CloudInputs::kTopics> topics_;  ///< resolved
-  std::mutex subscriptions_mutex_;                        ///< of what follows
+  TopicNames topics_;               ///< resolved
+  std::mutex subscriptions_mutex_;  ///< of what follows
   bool stopping_ = false;
   std::unique_ptr<CloudInputs> inputs_;
   ros::Publisher publisher_;

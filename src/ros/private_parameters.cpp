@@ -1,7 +1,7 @@
 #include "ros/private_parameters.h"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -21,6 +21,16 @@ std::vector<PrivateParameter> syncParameters() {
            "With approximate_sync: stamps farther apart are never paired; 0: no bound"},
           {"image_transport", std::string("raw"), 0, 0, "",
            "Transport by which the images are received"}};
+}
+
+std::vector<PrivateParameter> topicParameters() {
+  return {
+      {"left_image_topic", std::string("left/image_rect"), 0, 0, "", "Topic of the left image"},
+      {"left_info_topic", std::string("left/camera_info"), 0, 0, "", "Its camera_info"},
+      {"right_image_topic", std::string("right/image_rect"), 0, 0, "", "Topic of the right image"},
+      {"right_info_topic", std::string("right/camera_info"), 0, 0, "", "Its camera_info"},
+      {"left_color_topic", std::string("left/image_rect_color"), 0, 0, "",
+       "Topic of the image that colours the cloud"}};
 }
 
 std::vector<PrivateParameter> cloudParameters() {
@@ -58,19 +68,29 @@ constexpr const char* typeName() {
   }
 }
 
+std::string numberText(double value) {
+  std::ostringstream text;
+  text.precision(10);  // 1000000, not 1e+06
+  text << value;
+  return text.str();
+}
+
 template <typename Value>
 void requireRange(const std::string& name, Value value, const PrivateParameter& parameter) {
   if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
     if (!(value >= parameter.lowest && value <= parameter.highest)) {
-      std::ostringstream sentence;
-      sentence << name << " is " << value << "; it has to be in [" << parameter.lowest << ", "
-               << parameter.highest << "]";
-      throw Error(sentence.str());
+      throw Error(name + " is " + numberText(value) + ", expected " +
+                  rangeText(parameter.lowest, parameter.highest) +
+                  (parameter.unit.empty() ? "" : " " + parameter.unit));
     }
   }
 }
 
 }  // namespace
+
+std::string rangeText(double lowest, double highest) {
+  return numberText(lowest) + " to " + numberText(highest);
+}
 
 std::vector<PrivateParameter> stereoPrivateParameters() {
   std::vector<PrivateParameter> table = {
@@ -84,11 +104,16 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
       {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
       {"allow_different_frame_ids", true, 0, 0, "",
        "Accept pairs whose images differ in frame_id; outputs have the left one's"}};
+  append(topicParameters(), table);
   append(syncParameters(), table);
   append(cloudParameters(), table);
   append(limitParameters(), table);
   table.push_back(
       {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
+  table.push_back(
+      {"unknown_arguments", std::string(), 0, 0, "",
+       "Set by the launch files: arguments that they were given and do not have, a colon, those "
+       "that they have; the node warns of the former"});
   return table;
 }
 
@@ -96,6 +121,13 @@ std::vector<PrivateParameter> pointCloudPrivateParameters() {
   std::vector<PrivateParameter> table = syncParameters();
   append(cloudParameters(), table);
   return table;
+}
+
+std::vector<std::string> namesOf(const std::vector<PrivateParameter>& table) {
+  std::vector<std::string> names;
+  std::transform(table.begin(), table.end(), std::back_inserter(names),
+                 [](const PrivateParameter& parameter) { return parameter.name; });
+  return names;
 }
 
 PrivateParameters::PrivateParameters(const ros::NodeHandle& private_nh,
@@ -108,7 +140,7 @@ Value PrivateParameters::get(const std::string& name) const {
   auto value = std::get<Value>(parameter.default_value);
   const std::string resolved = private_nh_.resolveName(name);
   if (private_nh_.hasParam(name) && !private_nh_.getParam(name, value)) {
-    throw Error(resolved + " has a value of the wrong type; it has to be " + typeName<Value>());
+    throw Error(resolved + " has a value of the wrong type, expected " + typeName<Value>());
   }
   requireRange(resolved, value, parameter);
   return value;

@@ -26,6 +26,11 @@ std::vector<PrivateParameter> stereoPrivateParameters();
 /// What the nodelet cbmv_stereo/point_cloud2 reads.
 std::vector<PrivateParameter> pointCloudPrivateParameters();
 
+std::vector<std::string> namesOf(const std::vector<PrivateParameter>& table);
+
+/// "0 to 1000000".
+std::string rangeText(double lowest, double highest);
+
 /// The values on the parameter server of a table of parameters.
 class PrivateParameters {
  public:

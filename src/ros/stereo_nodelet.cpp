@@ -25,8 +25,8 @@ constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified 
 /// Causes of warnings besides the values of InputFault.
 enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps, kDoubtfulInput };
 
-StereoTopics toTopics(const std::array<std::string, 4>& names) {
-  return {names[0], names[1], names[2], names[3]};
+StereoTopics toTopics(const TopicNames& names) {
+  return {names[kFirst], names[kFirstInfo], names[kSecond], names[kSecondInfo]};
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void StereoNodelet::initialize() {
   allow_different_frame_ids_ = parameters.get<bool>("allow_different_frame_ids");
   processor_ = std::make_unique<FrameProcessor>(loadForest(parameters), options_);
   openDiagnostics(parameters);
-  offerConfig();
+  offerConfig(parameters);
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
       [this](const StereoMessages& frame) { work(frame); });
   openTopics(parameters);
@@ -96,8 +96,12 @@ std::shared_ptr<const Forest> StereoNodelet::loadForest(const PrivateParameters&
   return forest;
 }
 
-void StereoNodelet::offerConfig() {
+void StereoNodelet::offerConfig(const PrivateParameters& parameters) {
   for (const std::string& sentence : describeForeignParameters(getPrivateNodeHandle())) {
+    NODELET_WARN_STREAM(sentence);
+  }
+  for (const std::string& sentence : describeUnknownNames(
+           getPrivateNodeHandle(), parameters.get<std::string>("unknown_arguments"))) {
     NODELET_WARN_STREAM(sentence);
   }
   config_server_ = std::make_unique<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>>(
@@ -126,10 +130,11 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
   // Until all outputs are there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
   inputs_ =
-      std::make_unique<StereoInputs>(nh, parameters, kStereoInputTopics,
+      std::make_unique<StereoInputs>(nh, parameters, stereoInputNames(nh, parameters),
                                      [this](const auto&... messages) { receive({messages...}); });
   topics_ = toTopics(inputs_->topics());
-  color_topic_ = nh.resolveName(kColorTopic);
+  color_name_ = colorInputName(nh, parameters);
+  color_topic_ = nh.resolveName(color_name_);
   color_transport_ = std::make_unique<image_transport::ImageTransport>(nh);
   colors_.emplace(static_cast<std::size_t>(inputs_->options().queue_size));
   outputs_ = std::make_unique<OutputPublishers>(nh, stereoOutputs(cloud_options), [this] {
@@ -158,8 +163,10 @@ void StereoNodelet::updateColorSubscription() {
   if (!outputs_->isWanted("points2")) {
     color_subscriber_.shutdown();
   } else if (!color_subscriber_) {
+    colors_->clear();
     color_subscriber_ = color_transport_->subscribe(
-        kColorTopic, static_cast<std::uint32_t>(inputs_->options().queue_size),
+        nameToSubscribe(getNodeHandle(), color_name_),
+        static_cast<std::uint32_t>(inputs_->options().queue_size),
         [this](const sensor_msgs::ImageConstPtr& image) {
           guarded(getName(), [&] { colors_->add(image); });
         },
@@ -178,6 +185,7 @@ void StereoNodelet::watch() {
 }
 
 void StereoNodelet::reportInputs() {
+  inputs_->handOverIfOverdue();
   const std::string silence = inputs_->reportSilence();
   if (!silence.empty()) {
     diagnostics_->silent(silence);

@@ -42,7 +42,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void stop();
   StereoOptions readOptions(const PrivateParameters& parameters);
   std::shared_ptr<const Forest> loadForest(const PrivateParameters& parameters);
-  void offerConfig();
+  void offerConfig(const PrivateParameters& parameters);
   void openDiagnostics(const PrivateParameters& parameters);
   void openTopics(const PrivateParameters& parameters);
 
@@ -75,7 +75,8 @@ class StereoNodelet : public nodelet::Nodelet {
   FollowedOffset offset_;  ///< of the worker's thread
   bool allow_different_frame_ids_ = true;
   StereoTopics topics_;
-  std::string color_topic_;
+  std::string color_name_;   ///< as configured
+  std::string color_topic_;  ///< resolved
 
   std::mutex subscriptions_mutex_;  ///< of what follows
   bool stopping_ = false;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "ros/stamps.h"
 
@@ -19,70 +20,66 @@ std::string text(const char* format, double value) {
   return buffer;
 }
 
-double gapMs(const ros::Time& a, const ros::Time& b) {
-  return std::abs(secondsBetween(a, b)) * 1000;
+/// Appends to a list of words.
+void append(const std::string& words, std::string& list, const char* separator = ", ") {
+  list += (list.empty() ? "" : separator) + words;
 }
 
-/// Appends to a list of words.
-void append(const std::string& words, std::string& list) {
-  list += (list.empty() ? "" : ", ") + words;
+bool isPaired(std::size_t input) { return input == kFirst || input == kSecond; }
+
+bool areUnset(const std::deque<ros::Time>& stamps) {
+  return std::all_of(stamps.begin(), stamps.end(), [](const ros::Time& t) { return t.isZero(); });
+}
+
+/// Stamps that are later than all of the other topic.
+int countLater(const std::deque<ros::Time>& stamps, const std::deque<ros::Time>& others) {
+  const ros::Time newest = *std::max_element(others.begin(), others.end());
+  return static_cast<int>(
+      std::count_if(stamps.begin(), stamps.end(), [&](const ros::Time& t) { return t > newest; }));
 }
 
 }  // namespace
 
-SyncMonitor::SyncMonitor(std::size_t topics, std::string remedy)
-    : remedy_(std::move(remedy)), topics_(topics), stamps_(topics) {}
-
 void SyncMonitor::restart(ros::SteadyTime now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   beginWindow(now, kFirstReportS);
-  stamps_.assign(topics_.size(), {});
+  stamps_ = {};
 }
 
-bool SyncMonitor::received(std::size_t topic, const ros::Time& stamp) {
+void SyncMonitor::received(std::size_t input, const ros::Time& stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  Topic& seen = topics_.at(topic);
-  ++seen.count;
-  seen.stamps.push_back(stamp);
-  if (seen.stamps.size() > kStampsKept) {
-    seen.stamps.pop_front();
+  Topic& topic = topics_.at(input);
+  has_ever_come_[input] = true;
+  ++topic.count;
+  topic.stamps.push_back(stamp);
+  if (topic.stamps.size() > kStampsKept) {
+    topic.stamps.pop_front();
   }
-  return compare(stamp, stamps_.at(topic));
+  compare(stamp, stamps_[input]);
 }
 
-ros::Time SyncMonitor::latestWith(const ros::Time& stamp) {
-  constexpr auto kJumpNs = static_cast<std::uint64_t>(kJumpS * 1e9);
-  ros::Time latest;
-  latest.fromNSec(std::min(stamp.toNSec(), ros::TIME_MAX.toNSec() - kJumpNs) + kJumpNs);
-  return latest;
-}
-
-/// Notes what is to be reported; returns what received() does.
-bool SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
+/// Notes what is to be reported.
+void SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
   const auto before = std::exchange(stamps.newest, stamp);
-  if (!before || stamp > *before) {
-    return false;
-  }
-  if (stamp == *before) {
+  if (before == stamp) {
     ++stamps.repeated;
-    return false;
+  } else if (before && stamp < *before) {
+    stamps.largest_step_back_s =
+        std::max(stamps.largest_step_back_s, secondsBetween(stamp, *before));
   }
-  const double step_back_s = secondsBetween(stamp, *before);
-  stamps.largest_step_back_s = std::max(stamps.largest_step_back_s, step_back_s);
-  return step_back_s > kJumpS;
 }
 
-std::string SyncMonitor::reportStamps(const std::vector<std::string>& names) {
+std::string SyncMonitor::reportStamps(const std::array<std::string, kInputs>& names) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::string back;
   std::string repeated;
-  for (std::size_t i = 0; i < stamps_.size(); ++i) {
-    Stamps& stamps = stamps_[i];
+  for (const std::size_t input : {kFirst, kSecond}) {
+    Stamps& stamps = stamps_[input];
     if (stamps.largest_step_back_s > 0) {
-      append(names.at(i) + text(" (%.3f s)", stamps.largest_step_back_s), back);
+      append(names[input] + text(" (%.3f s)", stamps.largest_step_back_s), back);
     }
     if (stamps.repeated > 0) {
-      append(names.at(i) + text(" (%.0f times)", stamps.repeated), repeated);
+      append(names[input] + text(" (%.0f times)", stamps.repeated), repeated);
     }
     stamps.largest_step_back_s = 0;
     stamps.repeated = 0;
@@ -102,7 +99,7 @@ void SyncMonitor::synchronized(ros::SteadyTime now) {
   beginWindow(now, patience_s_);
 }
 
-std::string SyncMonitor::report(ros::SteadyTime now, const std::vector<TopicState>& states) {
+std::string SyncMonitor::report(ros::SteadyTime now, const TopicStates& states) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double elapsed_s = (now - window_start_).toSec();
   if (elapsed_s < patience_s_) {
@@ -114,53 +111,99 @@ std::string SyncMonitor::report(ros::SteadyTime now, const std::vector<TopicStat
 }
 
 void SyncMonitor::beginWindow(ros::SteadyTime now, double patience_s) {
-  for (Topic& topic : topics_) {
-    topic = {};
-  }
+  topics_ = {};
   window_start_ = now;
   patience_s_ = patience_s;
 }
 
-std::string SyncMonitor::describe(const std::vector<TopicState>& states, double elapsed_s) const {
-  std::string sentence = "no synchronised set of messages in " + text("%.0f", elapsed_s) + " s:";
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    sentence += (i > 0 ? ", " : " ") + describeTopic(i, states.at(i), elapsed_s);
+std::string SyncMonitor::describe(const TopicStates& states, double elapsed_s) const {
+  std::string topics;
+  for (std::size_t i = 0; i < kInputs; ++i) {
+    append(describeTopic(i, states[i], elapsed_s), topics);
   }
-  return allArrive() ? sentence + "; " + remedy_ : sentence;
+  std::string sentence =
+      "no synchronized set of messages in " + text("%.0f", elapsed_s) + " s: " + topics;
+  const std::string what_to_do = advice(states, elapsed_s);
+  return what_to_do.empty() ? sentence : sentence + "; " + what_to_do;
 }
 
-std::string SyncMonitor::describeTopic(std::size_t index, const TopicState& state,
+std::string SyncMonitor::describeTopic(std::size_t input, const TopicState& state,
                                        double elapsed_s) const {
-  const Topic& topic = topics_[index];
+  const Topic& topic = topics_[input];
+  if (topic.count == 0 && !isPaired(input) && has_ever_come_[input]) {
+    return state.name + " nothing new (the last one is used)";
+  }
   if (topic.count == 0) {
     return state.name + (state.has_publisher ? " nothing (it has a publisher)"
                                              : " nothing (nobody publishes it)");
   }
   std::string words = state.name + text(" %.1f Hz", static_cast<double>(topic.count) / elapsed_s);
-  if (index > 0 && topics_[0].count > 0) {
-    words += text(" (stamps %.1f ms from the first topic's)", typicalGapMs(index));
+  if (input == kSecond && bothArrive()) {
+    words += " (stamps " + durationText(typicalDistanceS()) + " from the first topic's)";
   }
   return words;
 }
 
-/// Median distance of the topic's stamps to the nearest of the first topic.
-double SyncMonitor::typicalGapMs(std::size_t topic) const {
-  std::vector<double> gaps;
-  for (const ros::Time& stamp : topics_[topic].stamps) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const ros::Time& other : topics_[0].stamps) {
-      nearest = std::min(nearest, gapMs(stamp, other));
+/// What to do; empty where the topics that nothing comes on say all.
+std::string SyncMonitor::advice(const TopicStates& states, double elapsed_s) const {
+  std::string unpublished;
+  std::string uncalibrated;
+  for (std::size_t i = 0; i < kInputs; ++i) {
+    if (topics_[i].count == 0 && isPaired(i) && !states[i].has_publisher) {
+      append(states[i].name, unpublished);
     }
-    gaps.push_back(nearest);
+    if (!isPaired(i) && !has_ever_come_[i]) {
+      append(states[i].name, uncalibrated);
+    }
   }
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
+  std::string sentence;
+  if (!unpublished.empty()) {
+    append("look for the images with rostopic list, and remap " + unpublished, sentence, "; ");
+  }
+  if (!uncalibrated.empty()) {
+    append("each camera needs its calibration: publish " + uncalibrated +
+               " with every image or once (latched), from a calibration by camera_calibration",
+           sentence, "; ");
+  }
+  if (bothArrive() && uncalibrated.empty()) {
+    StampRelation stamps = relation(elapsed_s);
+    stamps.first = states[kFirst].name;
+    stamps.second = states[kSecond].name;
+    append(syncAdvice(options_, stamps), sentence, "; ");
+  }
+  return sentence;
+}
+
+/// Of topics that both arrive.
+StampRelation SyncMonitor::relation(double elapsed_s) const {
+  StampRelation relation;
+  relation.distance_s = typicalDistanceS();
+  relation.period_s = elapsed_s / static_cast<double>(topics_[kFirst].count);
+  relation.first_is_unset = areUnset(topics_[kFirst].stamps);
+  relation.second_is_unset = areUnset(topics_[kSecond].stamps);
+  relation.lag = lag();
+  return relation;
+}
+
+/// Median distance of the second topic's stamps to the nearest of the first one's.
+double SyncMonitor::typicalDistanceS() const {
+  std::vector<double> distances;
+  for (const ros::Time& stamp : topics_[kSecond].stamps) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const ros::Time& other : topics_[kFirst].stamps) {
+      nearest = std::min(nearest, std::abs(secondsBetween(stamp, other)));
+    }
+    distances.push_back(nearest);
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
   return *middle;
 }
 
-bool SyncMonitor::allArrive() const {
-  return std::all_of(topics_.begin(), topics_.end(),
-                     [](const Topic& topic) { return topic.count > 0; });
+int SyncMonitor::lag() const {
+  const auto& firsts = topics_[kFirst].stamps;
+  const auto& seconds = topics_[kSecond].stamps;
+  return std::max(countLater(firsts, seconds), countLater(seconds, firsts));
 }
 
 }  // namespace cbmv

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <atomic>
-#include <functional>
+#include <cstdint>
 #include <mutex>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -16,6 +15,9 @@
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "ros/calibrated_pairs.h"
+#include "ros/guarded.h"
+#include "ros/input_topics.h"
 #include "ros/private_parameters.h"
 #include "ros/stamp_pairing.h"
 #include "ros/sync_monitor.h"
@@ -48,30 +50,34 @@ class InputTopic<sensor_msgs::Image> : public image_transport::SubscriberFilter 
   std::uint32_t publishers() const { return getNumPublishers(); }
 };
 
-/// Four input topics, whose messages are handed over in sets of equal (or close) stamps.
-template <typename M0, typename M1, typename M2, typename M3>
+/// Two input topics and the camera_info of either. The messages are paired by equal (or close)
+/// stamps, and handed over with the camera_infos (StampPairing, CalibratedPairs).
+template <typename First, typename Second>
 class SynchronizedInputs {
  public:
-  static constexpr std::size_t kTopics = 4;
-  using Topics = std::array<const char*, kTopics>;
-  using Callback =
-      std::function<void(const boost::shared_ptr<const M0>&, const boost::shared_ptr<const M1>&,
-                         const boost::shared_ptr<const M2>&, const boost::shared_ptr<const M3>&)>;
+  using Pairs = CalibratedPairs<First, Second>;
+  using Callback = typename Pairs::Callback;
 
-  SynchronizedInputs(const ros::NodeHandle& nh, const PrivateParameters& parameters, Topics topics,
-                     Callback callback)
+  /// `names` as in the code or as configured, to be resolved and remapped. Throws Error if two of
+  /// them are the same topic.
+  SynchronizedInputs(const ros::NodeHandle& nh, const PrivateParameters& parameters,
+                     TopicNames names, Callback callback)
       : nh_(nh),
         transport_(nh),
         hints_("raw", ros::TransportHints(), parameters.nodeHandle()),
-        topics_(topics),
+        names_(std::move(names)),
         options_(readSyncOptions(parameters)),
         callback_(std::move(callback)),
-        monitor_(kTopics, remedy()),
-        pairing_(options_, [this](const auto&... messages) { receive(messages...); }) {
-    connect<0>(first_);
-    connect<1>(second_);
-    connect<2>(third_);
-    connect<3>(fourth_);
+        monitor_(options_),
+        pairs_([this](const auto&... messages) { receive(messages...); }),
+        pairing_(options_, [this](const auto& first, const auto& second) {
+          pairs_.addPair(first, second, ros::SteadyTime::now());
+        }) {
+    requireDifferentTopics(topics());
+    connect<kFirst>(first_, [this](const auto& message) { pairing_.template add<0>(message); });
+    connect<kFirstInfo>(first_info_, [this](const auto& info) { pairs_.addInfo(0, info); });
+    connect<kSecond>(second_, [this](const auto& message) { pairing_.template add<1>(message); });
+    connect<kSecondInfo>(second_info_, [this](const auto& info) { pairs_.addInfo(1, info); });
   }
 
   const SyncOptions& options() const { return options_; }
@@ -80,108 +86,102 @@ class SynchronizedInputs {
 
   /// Throws image_transport::Exception if there is no such transport; then nothing is subscribed.
   void subscribe() {
-    const auto queue = static_cast<std::uint32_t>(options_.queue_size);
-    first_.open(nh_, transport_, topics_[0], queue, hints_);
-    second_.open(nh_, transport_, topics_[1], queue, hints_);
-    third_.open(nh_, transport_, topics_[2], queue, hints_);
-    fourth_.open(nh_, transport_, topics_[3], queue, hints_);
+    {
+      const std::lock_guard<std::mutex> lock(pairing_mutex_);
+      pairing_.clear();
+      pairs_.clear();
+    }
+    open<kFirst>(first_);
+    open<kFirstInfo>(first_info_);
+    open<kSecond>(second_);
+    open<kSecondInfo>(second_info_);
     monitor_.restart(ros::SteadyTime::now());
     subscribed_ = true;
   }
 
   void unsubscribe() {
     first_.unsubscribe();
+    first_info_.unsubscribe();
     second_.unsubscribe();
-    third_.unsubscribe();
-    fourth_.unsubscribe();
+    second_info_.unsubscribe();
     subscribed_ = false;
   }
 
   /// Types of the messages, such as sensor_msgs/Image.
-  static std::array<std::string, kTopics> types() {
+  static TopicNames types() {
     namespace traits = ros::message_traits;
-    return {traits::datatype<M0>(), traits::datatype<M1>(), traits::datatype<M2>(),
-            traits::datatype<M3>()};
+    return {traits::datatype<First>(), traits::datatype<sensor_msgs::CameraInfo>(),
+            traits::datatype<Second>(), traits::datatype<sensor_msgs::CameraInfo>()};
   }
 
-  /// Resolved, in the order of the messages.
-  std::array<std::string, kTopics> topics() const {
-    std::array<std::string, kTopics> names;
-    for (std::size_t i = 0; i < kTopics; ++i) {
-      names[i] = nh_.resolveName(topics_[i]);
-    }
-    return names;
+  /// Resolved.
+  TopicNames topics() const {
+    TopicNames resolved;
+    std::transform(names_.begin(), names_.end(), resolved.begin(),
+                   [this](const std::string& name) { return nh_.resolveName(name); });
+    return resolved;
+  }
+
+  /// To be called every now and then: hands over what has waited too long for its camera_infos.
+  void handOverIfOverdue() {
+    const std::lock_guard<std::mutex> lock(pairing_mutex_);
+    pairs_.handOverIfOverdue(ros::SteadyTime::now());
   }
 
   /// What has been wrong with stamps since the last call (SyncMonitor); else empty.
-  std::string reportStamps() {
-    const auto names = topics();
-    return monitor_.reportStamps({names.begin(), names.end()});
-  }
+  std::string reportStamps() { return monitor_.reportStamps(topics()); }
 
   /// A report to people if messages are waited for and none are paired (SyncMonitor); else empty.
   std::string reportSilence() {
     if (!subscribed_) {
       return {};
     }
-    const auto names = topics();
-    return monitor_.report(ros::SteadyTime::now(), {{names[0], first_.publishers() > 0},
-                                                    {names[1], second_.publishers() > 0},
-                                                    {names[2], third_.publishers() > 0},
-                                                    {names[3], fourth_.publishers() > 0}});
+    const TopicNames names = topics();
+    return monitor_.report(ros::SteadyTime::now(),
+                           {{{names[kFirst], first_.publishers() > 0},
+                             {names[kFirstInfo], first_info_.publishers() > 0},
+                             {names[kSecond], second_.publishers() > 0},
+                             {names[kSecondInfo], second_info_.publishers() > 0}}});
   }
 
  private:
-  template <int kIndex, typename Message>
-  void connect(InputTopic<Message>& input) {
-    input.registerCallback([this](const boost::shared_ptr<const Message>& message) {
+  template <InputIndex kIndex, typename Message, typename Add>
+  void connect(InputTopic<Message>& input, Add add) {
+    input.registerCallback([this, add](const boost::shared_ptr<const Message>& message) {
       const std::lock_guard<std::mutex> lock(pairing_mutex_);
-      try {
-        const ros::Time& stamp = message->header.stamp;
-        if (monitor_.received(kIndex, stamp)) {
-          pairing_.dropAfter(SyncMonitor::latestWith(stamp));
-        }
-        pairing_.template add<kIndex>(message);
-      } catch (const std::exception& error) {
-        ROS_WARN_STREAM_THROTTLE(
-            5, topics()[kIndex] << ": a message could not be paired: " << error.what());
-        pairing_.clear();
-      }
+      monitor_.received(kIndex, message->header.stamp);
+      guarded(names_[kIndex], [&] { add(message); });
     });
   }
 
-  void receive(const boost::shared_ptr<const M0>& first, const boost::shared_ptr<const M1>& second,
-               const boost::shared_ptr<const M2>& third,
-               const boost::shared_ptr<const M3>& fourth) {
-    monitor_.synchronized(ros::SteadyTime::now());
-    callback_(first, second, third, fourth);
+  template <InputIndex kIndex, typename Message>
+  void open(InputTopic<Message>& input) {
+    input.open(nh_, transport_, nameToSubscribe(nh_, names_[kIndex]),
+               static_cast<std::uint32_t>(options_.queue_size), hints_);
   }
 
-  std::string remedy() const {
-    if (!options_.approximate) {
-      return "their stamps have to be equal, or set the parameter approximate_sync";
-    }
-    std::ostringstream words;
-    words << "their stamps may be up to approximate_sync_max_interval_s = "
-          << options_.max_interval_s << " s apart (0: no bound)";
-    return words.str();
+  template <typename... Messages>
+  void receive(const Messages&... messages) {
+    monitor_.synchronized(ros::SteadyTime::now());
+    callback_(messages...);
   }
 
   ros::NodeHandle nh_;
   image_transport::ImageTransport transport_;
   const image_transport::TransportHints hints_;
-  const Topics topics_;
+  const TopicNames names_;
   const SyncOptions options_;
   Callback callback_;
   SyncMonitor monitor_;
   std::atomic<bool> subscribed_{false};
-  std::mutex pairing_mutex_;
-  StampPairing<M0, M1, M2, M3> pairing_;
+  std::mutex pairing_mutex_;  ///< of the next two
+  Pairs pairs_;
+  StampPairing<First, Second> pairing_;
 
-  InputTopic<M0> first_;
-  InputTopic<M1> second_;
-  InputTopic<M2> third_;
-  InputTopic<M3> fourth_;
+  InputTopic<First> first_;
+  InputTopic<sensor_msgs::CameraInfo> first_info_;
+  InputTopic<Second> second_;
+  InputTopic<sensor_msgs::CameraInfo> second_info_;
 };
 
 }  // namespace cbmv

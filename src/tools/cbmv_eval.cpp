@@ -13,6 +13,8 @@
 
 #include "../io/binary_file.h"
 #include "data_arguments.h"
+#include "program_files.h"
+#include "range_checks.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/error.h"
@@ -51,9 +53,10 @@ std::string nameOf(const std::string& path) {
 }
 
 /// Other scenes may have the same names, so the fingerprint holds the place too, which a checksum
-/// does not tell.
+/// does not tell, and how the truth is read.
 std::string identityOf(const cbmv::DataSet& data_set) {
-  return data_set.title() + " " + std::filesystem::weakly_canonical(data_set.folder()).string();
+  return data_set.title() + " " + data_set.kind() + " " +
+         std::filesystem::weakly_canonical(data_set.folder()).string();
 }
 
 /// By the three folds of Middlebury v3. Training leaves out what --exclude names.
@@ -111,7 +114,8 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   if (arguments.folds > 0) {
     setUpFolds(arguments, options, data_set, settings, evaluation);
   } else {
-    const auto forest = std::make_shared<cbmv::Forest>(cbmv::readForest(arguments.forest));
+    const auto forest =
+        std::make_shared<cbmv::Forest>(cbmv::readForest(cbmv::forestFile(arguments.forest)));
     evaluation.report.forest = forest->name;
     settings += cbmv::forestChecksum(*forest);
     evaluation.source = cbmv::matchingSource(forest, options.front());
@@ -177,6 +181,9 @@ void requireWritableOutputs(const Arguments& arguments) {
 
 /// What the options imply of each other.
 void complete(Arguments& arguments) {
+  for (std::string& preset : arguments.presets) {
+    preset = cbmv::presetFile(preset);
+  }
   if (!arguments.report.empty()) {
     cbmv::requireWritableFolder(arguments.report);
     cbmv::makeFolder(arguments.report);
@@ -261,7 +268,8 @@ void evaluate(Arguments arguments) {
 
 void addSourceOptions(CLI::App& app, Arguments& arguments) {
   CLI::Option_group* source = app.add_option_group("What is measured", "One of these");
-  source->add_option("--forest", arguments.forest, "Match with this forest");
+  source->add_option("--forest", arguments.forest,
+                     std::string(cbmv::kForestHelp) + "; scenes are matched with it");
   CLI::Option* disparities = source->add_option(
       "--disparities", arguments.disparities,
       "Folder of ready maps: SCENE.pfm or SCENE.png (16 bits, value / 256, 0 = none), and "
@@ -273,9 +281,11 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
-  app.add_option("--preset", arguments.presets,
-                 "YAML file of parameters; the disparities searched are those of the scene. With "
-                 "--folds 3 also three, separated by commas, for each fold its own")
+  app.add_option(
+         "--preset", arguments.presets,
+         cbmv::kPresetHelp +
+             std::string("; the disparities searched are those of the scene. With "
+                         "--folds 3 also three, separated by commas, for each fold its own"))
       ->delimiter(',')
       ->excludes(disparities)
       ->excludes(baseline);
@@ -312,7 +322,7 @@ int main(int argc, char** argv) {
   cbmv::addSceneOptions(app, arguments.filter);
   addSourceOptions(app, arguments);
   app.add_option("--threads", arguments.options.threads, "0: as many as the machine has")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
   addOutputOptions(app, arguments);
   cbmv::addTrainingOptions(app, arguments.training);

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "program_files.h"
 #include "run_tool.h"
 #include "stereo_arguments.h"
 
@@ -48,6 +49,7 @@ StereoInput readInput(const Arguments& arguments,
   input.names = {arguments.left, arguments.calibration, arguments.right,
                  one_file ? arguments.calibration : arguments.right_calibration};
   if (calibration) {
+    std::printf("calibration: %s\n", calibration->description.c_str());
     input.cameras = calibration->cameras;
     input.rectified_by = RectifiedBy::kFiles;
   }
@@ -89,7 +91,7 @@ void match(const Arguments& arguments) {
   const auto calibration = readCalibration(arguments);
   const StereoOptions options = readOptions(arguments, calibration);
   const StereoInput input = readInput(arguments, calibration);
-  FrameProcessor processor(std::make_shared<const Forest>(readForest(arguments.forest)), options);
+  FrameProcessor processor(std::make_shared<const Forest>(readForest(forestFile(arguments.forest))), options);
   const PreparedPair pair = processor.prepare(input);
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
@@ -122,7 +124,7 @@ int main(int argc, char** argv) {
   cbmv::Arguments arguments;
   app.add_option("left", arguments.left, "Left image file")->required();
   app.add_option("right", arguments.right, "Right image file")->required();
-  app.add_option("--forest", arguments.forest, "File of the forest")->required();
+  app.add_option("--forest", arguments.forest, cbmv::kForestHelp)->required();
   cbmv::addStereoOptions(app, arguments.stereo);
   CLI::Option* const calibration = app.add_option(
       "--calibration", arguments.calibration,

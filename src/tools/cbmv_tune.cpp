@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 
 #include "data_arguments.h"
+#include "program_files.h"
+#include "range_checks.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
@@ -33,7 +35,7 @@ std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
   std::vector<std::shared_ptr<const cbmv::Forest>> forests;
   forests.reserve(paths.size());
   for (const std::string& path : paths) {
-    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(path)));
+    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(cbmv::forestFile(path))));
   }
   return forests;
 }
@@ -41,8 +43,9 @@ std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
 void tune(Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   if (!arguments.start.empty()) {
-    cbmv::readPreset(arguments.start, request.start);
-    request.start_name = std::filesystem::path(arguments.start).filename().string();
+    const std::string start = cbmv::presetFile(arguments.start);
+    cbmv::readPreset(start, request.start);
+    request.start_name = std::filesystem::path(start).filename().string();
   }
   cbmv::requireWritableFile(arguments.output);
   const std::vector<cbmv::DataSet> data_sets = cbmv::openDataSets(arguments.data_sets);
@@ -66,7 +69,8 @@ void tune(Arguments& arguments) {
 
 void addSearchOptions(CLI::App& app, Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
-  app.add_option("--start", arguments.start, "Preset to begin with; else the defaults");
+  app.add_option("--start", arguments.start,
+                 "Preset to begin with, by its name or path; else the defaults");
   app.add_option("--parameters", request.parameters,
                  "What is searched, separated by commas; docs/parameters.md has the names")
       ->delimiter(',')
@@ -79,24 +83,24 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--evaluations", request.search.evaluations, "Presets that are tried")
-      ->check(CLI::PositiveNumber)
+      ->check(cbmv::wholeNumber(1))
       ->capture_default_str();
   app.add_option("--global-evaluations", request.search.global_evaluations,
                  "So many of them all over the space, before the search around the best")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
   app.add_option(
          "--rows", request.rows,
          "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
          "the whole image; 0: all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
   app.add_flag(
       "--cross-validate", request.cross_validate,
       "Search three more times, without one fold of Middlebury v3 each, score that fold, and "
       "write its preset to PRESET_without_fold_N.yaml, for cbmv_eval --folds 3");
   app.add_option("--threads", request.start.threads, "0: as many as the machine has")
-      ->check(CLI::NonNegativeNumber)
+      ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
 }
 
@@ -115,7 +119,8 @@ int main(int argc, char** argv) {
   CLI::Option_group* forests = app.add_option_group("Forests", "One of these");
   forests->add_option(
       "--forest", arguments.forests,
-      "Repeatable; each scene is matched with the first that was not trained on it");
+      std::string(cbmv::kForestHelp) +
+          "; repeatable; each scene is matched with the first that was not trained on it");
   forests
       ->add_option(
           "--folds", arguments.folds,

@@ -7,14 +7,18 @@
 
 #include <CLI/CLI.hpp>
 
+#include "range_checks.h"
+
 #include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/training/forest_training.h"
 
 namespace cbmv {
 
 inline constexpr const char* kDataSetHelp =
-    "KIND:DIR; KIND is middlebury_v3, middlebury_2005 (2006 too), kitti2012, kitti2015 or eth3d; "
-    "or list:FILE, a text file of lines `left right disparity scale [ndisp]`";
+    "KIND:DIR; KIND is middlebury_v3, middlebury_2005 (2006 too; third size), "
+    "middlebury_2005_half, "
+    "middlebury_2005_full, kitti2012, kitti2015 or eth3d; or list:FILE, a text file of lines `left "
+    "right disparity scale [ndisp]`";
 
 /// --dataset, repeatable.
 inline void addDataSetOption(CLI::App& app, std::vector<std::string>& data_sets) {
@@ -39,12 +43,12 @@ inline void addSceneOptions(CLI::App& app, SceneFilter& filter) {
 inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
   app.add_option("--pixels-per-scene", options.pixels_per_scene,
                  "Pixels drawn from each scene for training; each gives up to three samples")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
                  "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
                  "sample (random forest: 1800)")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1, 1000000000000))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
   const std::map<std::string, ForestKind> kinds = {{"oblivious", ForestKind::kOblivious},

@@ -6,6 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "program_files.h"
+#include "range_checks.h"
+
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {
@@ -17,23 +20,24 @@ struct StereoArguments {
 };
 
 inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
-  app.add_option("--preset", arguments.preset, "YAML file of parameters; the options win over it");
+  app.add_option("--preset", arguments.preset,
+                 kPresetHelp + std::string("; the options win over it"));
   app.add_option("--disparities", arguments.disparities, "Number of disparities, px; default 64")
-      ->check(CLI::Range(1, 4096));
+      ->check(wholeNumber(1, 4096));
   app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px; default 0")
-      ->check(CLI::Range(-2048, 2048));
+      ->check(wholeNumber(-2048, 2048));
   app.add_option("--max-memory-mb", arguments.max_memory_mb,
                  "Refuse images for which the matcher needs more; 0, the default: no bound")
-      ->check(CLI::Range(0, 100000));
+      ->check(wholeNumber(0, 100000));
   app.add_option("--threads", arguments.threads, "0, the default: as many as the machine has")
-      ->check(CLI::Range(0, 1024));
+      ->check(wholeNumber(0, 1024));
 }
 
 /// Preset and options, mended where they are inconsistent, which is said on stderr.
 inline StereoOptions readStereoOptions(const StereoArguments& arguments, const char* tool) {
   StereoOptions options;
   if (!arguments.preset.empty()) {
-    readPreset(arguments.preset, options);
+    readPreset(presetFile(arguments.preset), options);
   }
   options.range.count = arguments.disparities.value_or(options.range.count);
   options.range.min = arguments.min_disparity.value_or(options.range.min);

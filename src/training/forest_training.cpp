@@ -5,12 +5,14 @@
 
 #include "training_checks.h"
 
+#include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/training/held_out_measures.h"
 
 namespace cbmv {
 namespace {
 
 constexpr std::size_t kSamplesPerPixel = 3;
+constexpr double kBytesPerSample = 4.0 * kFeatureCount + 2;  // as reserve takes them
 
 TrainingPair preparePair(const StereoScene& scene, const RectificationOptions& options) {
   const DisparityRange range{0, scene.calibration.disparities};
@@ -114,7 +116,11 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
     progress({"reading", ++done, total, ""});
   }
   Samples samples;
-  reserve(samples, kSamplesPerPixel * static_cast<std::size_t>(pixels) * scenes.size());
+  const std::size_t count = kSamplesPerPixel * static_cast<std::size_t>(pixels) * scenes.size();
+  requireMachineMemory(static_cast<double>(count) * kBytesPerSample / (1 << 20),
+                       std::to_string(count) + " samples",
+                       "lower --max-samples or --pixels-per-scene");
+  reserve(samples, count);
   for (done = 0; done < total;) {
     const SceneReference& scene = scenes[done];
     appendSamples(preparePair(scene.read(), options.rectification), pixels, options.seed + done,

@@ -131,7 +131,9 @@ class Tuner {
  private:
   void prepare(const SceneReference& scene, std::size_t data_set, const ErrorSum& errors) {
     const std::shared_ptr<const Forest> forest = forestForScene(request_.forests, scene);
-    scenes_.push_back(prepareScene(scene, *forest, request_.start.rectification, request_.rows));
+    scenes_.push_back(
+        prepareScene(scene, *forest, request_.start.rectification, request_.rows, held_mb_));
+    held_mb_ += scenes_.back().heldMb();
     scenes_.back().data_set = data_set;
     scenes_.back().errors = errors;
     TunedDataSet& described = report_.data_sets[data_set];
@@ -225,6 +227,7 @@ class Tuner {
   ParameterSpace space_;
   TuningReport report_;
   std::vector<TuningScene> scenes_;
+  double held_mb_ = 0;  ///< memory of the scenes
   TuningScorer scorer_;
 };
 

@@ -6,6 +6,8 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/disparity_source.h"
 #include "cbmv_stereo/evaluation/scene_score.h"
+#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
@@ -73,7 +75,7 @@ std::shared_ptr<const Forest> forestForScene(
 }
 
 TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
-                         const RectificationOptions& rectification, int rows) {
+                         const RectificationOptions& rectification, int rows, double held_mb) {
   TuningScene prepared;
   StereoScene& pair = prepared.scene;
   pair = scene.read();
@@ -84,9 +86,20 @@ TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
   if (rows > 0 && rows < pair.left.rows) {
     keepMiddleRows(rows, pair);
   }
+  StereoOptions options;
+  options.range = range;
+  requireMachineMemory(held_mb + requiredMemoryMb(pair.left.size(), options),
+                       "scene " + pair.name + " and the volumes of those before it",
+                       "choose fewer scenes or fewer rows of each");
   VolumeBuilder().build(pair.left, pair.right, range, forest, ForestEvaluator(forest),
                         prepared.volume);
   return prepared;
+}
+
+double TuningScene::heldMb() const {
+  const double pixels = scene.left.rows * static_cast<double>(scene.left.cols);
+  constexpr double bytes_of_maps = 1 + 1 + 4 + 1;
+  return pixels * (bytes_of_maps + scene.calibration.disparities) / (1 << 20);
 }
 
 double TuningScorer::error(const TuningScene& scene, const StereoOptions& options) {

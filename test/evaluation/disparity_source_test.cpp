@@ -43,6 +43,18 @@ TEST(MatchingSource, MatchesOverTheRangeOfTheScene) {
   }
 }
 
+/// The images are looked at by their size only: they have no pixels.
+TEST(MatchingSource, TellsNeedAndPresenceOfMemory) {
+  const DisparitySource source =
+      matchingSource(std::make_shared<Forest>(test::makeForest(1, 1, 1)), {});
+  StereoScene scene = makeScene(1);
+  std::uint8_t no_pixels = 0;
+  scene.left = scene.right = cv::Mat(65535, 65535, CV_8UC1, &no_pixels);
+  scene.calibration.disparities = 4096;
+  EXPECT_TRUE(mentions(errorText([&] { source(scene); }),
+                       {"65535x65535", "4096 disparities need", "but the machine has"}));
+}
+
 TEST(MatchingSource, RefusesInconsistentOptions) {
   StereoOptions options;
   options.sgm.p1 = options.sgm.p2 + 1.0F;
@@ -76,6 +88,16 @@ TEST(FileSource, ReadsIntegersWithoutConfidence) {
   EXPECT_EQ(maps.disparity.at<float>(1, 1), 2.5F);
   EXPECT_TRUE(std::isnan(maps.disparity.at<float>(0, 0)));
   EXPECT_TRUE(maps.confidence.empty());
+}
+
+TEST(FileSource, ExtensionsMayBeInUpperCase) {
+  const TemporaryFolder folder;
+  const StereoScene scene = makeScene(2);
+  const cv::Mat words(scene.truth.size(), CV_16UC1, cv::Scalar(640));
+  writeImage(folder.file("Scene.PNG"), words);
+  EXPECT_EQ(fileSource(folder.file(""))(scene).disparity.at<float>(1, 1), 2.5F);
+  writePfm(folder.file("Scene.PFM"), cv::Mat(scene.truth.size(), CV_32FC1, cv::Scalar(3)));
+  EXPECT_EQ(fileSource(folder.file(""))(scene).disparity.at<float>(1, 1), 3.0F);
 }
 
 TEST(FileSource, NamesTheFileThatIsWrong) {

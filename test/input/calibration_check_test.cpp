@@ -179,6 +179,7 @@ TEST(CalibrationCheck, ComparesTheSizes) {
   expectError(fault, {"/right/info", "640 x 480 px", "320 x 240 px", "resolution"},
               set_size(640, 480));
   expectWarning({"/right/info", "0 x 0", "320 x 240 px"}, set_size(0, 0));
+  EXPECT_TRUE(checkWith(set_size(0, 0), RectifiedBy::kFiles).warnings.empty());
   expectError(fault, {"/left/info", "region of interest (roi) of 319 x 239 px"},
               [](auto& cameras) { cameras.left.roi = {0, 0, 319, 239}; });
   expectError(fault, {"/left/info", "160 x 120 px (binning 2 x 2)"},

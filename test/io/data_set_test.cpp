@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -130,6 +132,49 @@ TEST_F(DataSetTest, ReadsMiddlebury2005) {
   EXPECT_EQ(scene.calibration.height, kHeight);
 }
 
+const std::vector<std::pair<std::string, double>> kKindsOf2005 = {
+    {"middlebury_2005", 3}, {"middlebury_2005_half", 2}, {"middlebury_2005_full", 1}};
+
+TEST_F(DataSetTest, RefusesImagesOf2005ThatAreTooWideForTheirSize) {
+  for (const auto& [width, size, kind] :
+       std::vector<std::tuple<int, std::size_t, std::string>>{{465, 0, "middlebury_2005"},
+                                                              {620, 1, "middlebury_2005_half"},
+                                                              {1282, 2, "middlebury_2005_full"}}) {
+    writeImage(place(kind + "/Aloe/view1.png"), cv::Mat::zeros(1, width, CV_8UC1));
+    writeImage(place(kind + "/Aloe/view5.png"), cv::Mat::zeros(1, width, CV_8UC1));
+    writeImage(place(kind + "/Aloe/disp1.png"), cv::Mat(1, width, CV_8UC1, cv::Scalar(60)));
+    const StereoScene scene = open(kind, kind).read("Aloe");
+    EXPECT_FLOAT_EQ(scene.truth.at<float>(0, width - 1),
+                    60 / static_cast<float>(kKindsOf2005[size].second));
+    EXPECT_EQ(scene.calibration.disparities, (std::vector<int>{85, 128, 255}[size]));
+    for (std::size_t other = 0; other < size; ++other) {
+      EXPECT_TRUE(mentions(
+          readError(open(kKindsOf2005[other].first, kind), "Aloe", kind + "/Aloe/view1.png"),
+          {std::to_string(width) + " px", "Take the kind " + kind + "."}));
+    }
+  }
+}
+
+/// A part of a larger image is not too wide, but with a wrong divisor the images do not fit.
+TEST_F(DataSetTest, FindsThatTheTruthOf2005IsOfAnotherSize) {
+  cv::Mat image(20, 200, CV_8UC1);
+  cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);
+  for (const auto& [kind, divisor] : kKindsOf2005) {
+    const int shift = 12;
+    writeImage(place(kind + "/Aloe/view1.png"), image.colRange(0, 200 - shift));
+    writeImage(place(kind + "/Aloe/view5.png"), image.colRange(shift, 200));
+    writeImage(place(kind + "/Aloe/disp1.png"),
+               cv::Mat(20, 200 - shift, CV_8UC1, cv::Scalar(shift * divisor)));
+    EXPECT_EQ(open(kind, kind).read("Aloe").truth.at<float>(3, 50), shift);
+    for (const auto& other : kKindsOf2005) {
+      if (other.first != kind) {
+        EXPECT_TRUE(mentions(readError(open(other.first, kind), "Aloe", kind + "/Aloe/disp1.png"),
+                             {other.first, "Take the kind " + kind + "."}));
+      }
+    }
+  }
+}
+
 TEST_F(DataSetTest, DerivesVisibilityOf2005WithoutRightTruth) {
   writeMiddlebury2005Scene("2005/Art");
   fs::remove(folder_.file("2005/Art/disp5.png"));
@@ -201,7 +246,7 @@ TEST_F(DataSetTest, ReadsAList) {
   writeImage(place("list/a/truth.png"), noc_);
   writePfm(place("list/b/truth.pfm"), cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(1.5)));
   folder_.write("list/pairs.txt",
-                "# my pairs\n\n b/left.png b/right.png\tb/truth.pfm 1\r\n"
+                "\xEF\xBB\xBF# my pairs\n\n b/left.png b/right.png\tb/truth.pfm 1\r\n"
                 "./a/left.png a/right.png a/truth.png 256 5  # five\n");
   const DataSet data_set = open("list", "list/pairs.txt");
   EXPECT_EQ(data_set.title(), "list pairs");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -40,6 +41,16 @@ TEST(DisparityFile, TakesFloatsThatAreNotFiniteAsUnknown) {
   EXPECT_EQ(disparity.at<float>(0, 1), 1.5F);
   EXPECT_TRUE(std::isnan(disparity.at<float>(0, 2)));
   EXPECT_TRUE(std::isnan(disparity.at<float>(0, 3)));
+}
+
+TEST(DisparityFile, ExtensionsMayBeInUpperCase) {
+  const TemporaryFolder folder;
+  writeImage(folder.file("d.PNG"), (cv::Mat_<std::uint16_t>(1, 1) << 512));
+  writePfm(folder.file("d.PFM"), (cv::Mat_<float>(1, 1) << 2.0F));
+  writePfm(folder.file("d.Pfm"), (cv::Mat_<float>(1, 1) << 2.0F));
+  for (const auto& [name, divisor] : {std::pair("d.PNG", 256.0), {"d.PFM", 1.0}, {"d.Pfm", 1.0}}) {
+    EXPECT_EQ(readDisparity(folder.file(name), divisor).at<float>(0, 0), 2.0F) << name;
+  }
 }
 
 TEST(DisparityFile, KittiHas256LevelsAPixelAndZeroForNone) {

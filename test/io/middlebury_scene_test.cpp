@@ -42,6 +42,24 @@ class MiddleburyScene : public testing::Test {
   const std::string scene_ = folder_.file("Scene");
 };
 
+/// im0.png, im1.png, disp0.pfm and calib.txt, which has more keys.
+TEST_F(MiddleburyScene, ReadsTheDataSetsOf2014AsTheyAreDownloaded) {
+  namespace fs = std::filesystem;
+  fs::rename(scene_ + "/disp0GT.pfm", scene_ + "/disp0.pfm");
+  fs::remove(scene_ + "/mask0nocc.png");
+  folder_.write("Scene/calib.txt",
+                "\xEF\xBB\xBF"
+                "cam0=[500 0 2; 0 500 1; 0 0 1]\ncam1=[500 0 2; 0 500 1; 0 0 1]\ndoffs=0\n"
+                "baseline=100\nwidth=4\nheight=2\nndisp=3\nisint=0\nvmin=1\nvmax=2\ndyavg=0\n"
+                "dymax=0\n");
+  for (const bool truth_required : {true, false}) {
+    const StereoScene scene = readMiddleburyScene(scene_, 0, truth_required);
+    EXPECT_EQ(scene.truth.at<float>(1, 1), 1.0F);
+    EXPECT_EQ(cv::norm(scene.visible, visibleInBoth(scene.truth), cv::NORM_INF), 0.0);
+    EXPECT_EQ(scene.calibration.disparities, 3);
+  }
+}
+
 TEST_F(MiddleburyScene, ReadsAllParts) {
   for (const std::string& path : {scene_, scene_ + "/", scene_ + "/."}) {
     const StereoScene scene = readMiddleburyScene(path);

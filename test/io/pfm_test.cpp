@@ -48,6 +48,28 @@ TEST(Pfm, ReadsBothByteOrdersFromTheBottomUp) {
   }
 }
 
+TEST(Pfm, HeadersMayHaveCommentsAndLineEndsOfWindows) {
+  const TemporaryFolder folder;
+  for (const char* header :
+       {"Pf\r\n3 2\r\n-1.0\r\n", "Pf\n# by a program\n# 9 9\n3 2\n-1\n",
+        "Pf # map\r\n3 # columns\r\n2\r\n# scale\r\n-1\r\n", "Pf\r3 2\r-1\r"}) {
+    const cv::Mat map = readPfm(folder.write("a.pfm", header + littleEndianValues()));
+    ASSERT_EQ(map.size(), cv::Size(3, 2));
+    EXPECT_EQ(map.at<float>(1, 0), 1) << header;
+    EXPECT_EQ(map.at<float>(0, 1), 5) << header;
+  }
+}
+
+/// A value whose first byte is a line feed is no part of the header.
+TEST(Pfm, TheSizeTellsWhereTheHeaderEnds) {
+  const TemporaryFolder folder;
+  const std::string value("\n\x00\x80\x3f", 4);
+  for (const char* end : {"\r", "\r\n", "\n"}) {
+    const cv::Mat map = readPfm(folder.write("a.pfm", std::string("Pf\n1 1\n-1") + end + value));
+    EXPECT_EQ(std::memcmp(map.data, value.data(), 4), 0);
+  }
+}
+
 TEST(Pfm, ValuesComeBackBitForBit) {
   const TemporaryFolder folder;
   for (const cv::Size size : {cv::Size(5, 3), cv::Size(1, 7), cv::Size(9, 1), cv::Size(1, 1)}) {

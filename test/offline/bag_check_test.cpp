@@ -38,7 +38,8 @@ TEST_F(BagCheckTest, TellsHowFarStampsAreApart) {
   writeRecording(input_, 2, [&](rosbag::Bag& bag) { writeFrame(bag, late); });
   EXPECT_THAT(check().problems,
               ElementsAre(HasSubstr("1 left images have no right one of their stamp; the nearest "
-                                    "is 0.020000 s away, so --max-stamp-difference-s 0.021")));
+                                    "is 0.020000 s away. Pair them with "
+                                    "--max-stamp-difference-s 0.021")));
 }
 
 TEST_F(BagCheckTest, TellsThatCamerasAreSwapped) {

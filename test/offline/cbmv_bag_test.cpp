@@ -262,5 +262,35 @@ TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
   EXPECT_EQ(filesThatBegin("out/points2/0"), 4U);
 }
 
+/// Exit status, and what stderr says.
+TEST_F(CbmvBagTest, ExitStatusTellsThatNothingWasDone) {
+  writeRecording(folder_.file("in.bag"), 2);
+  const Outcome late = run("out.bag", "--start 1000 --json " + folder_.file("summary.json"));
+  EXPECT_EQ(late.status, 3);
+  EXPECT_THAT(late.output, testing::HasSubstr("no pair to process"));
+  EXPECT_THAT(contentOf(folder_.file("summary.json")), testing::HasSubstr("\"complete\": false"));
+  EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
+  EXPECT_EQ(parts("out.bag"), 0U);
+}
+
+TEST_F(CbmvBagTest, KeepsTheRecordingThatIsNamedAsOutput) {
+  writeRecording(folder_.file("in.bag"), 1);
+  const std::string content = contentOf(folder_.file("in.bag"));
+  expectRefusal(run("in.bag", "--overwrite"), {"is the input", "in.bag"});
+  expectRefusal(run("out.bag", "--json " + folder_.file("in.bag")), {"is the input", "in.bag"});
+  expectRefusal(test::run("cbmv_bag", "merge " + folder_.file("in.bag") + " --overwrite --output " +
+                                          folder_.file("./in.bag")),
+                {"is the input", "in.bag"});
+  EXPECT_EQ(contentOf(folder_.file("in.bag")), content);
+}
+
+TEST_F(CbmvBagTest, FindsOutputsThatCannotBeWrittenBeforeTheWork) {
+  writeRecording(folder_.file("in.bag"), 1);
+  expectRefusal(run("missing/out.bag"), {"missing"});
+  expectRefusal(run("out.bag", "--json " + folder_.file("missing/summary.json")),
+                {"missing/summary.json"});
+  EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
+}
+
 }  // namespace
 }  // namespace cbmv

@@ -15,6 +15,7 @@
 #include "recording.h"
 #include "ros/conversions.h"
 #include "support/error_text.h"
+#include "support/file_content.h"
 
 namespace cbmv {
 namespace {
@@ -327,9 +328,133 @@ TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
   EXPECT_EQ(summary.failed, 1U);
   EXPECT_FALSE(summary.isComplete());
   ASSERT_EQ(summary.failures.size(), 1U);
-  EXPECT_TRUE(mentions(describeSummary(summary), {"1 frames failed", "differ in size"}));
+  EXPECT_TRUE(mentions(describeSummary(summary), {"3 of 4 frames done, 1 failed", "differ in size"}));
   ASSERT_EQ(disparities(output_).size(), 3U);
   EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
+}
+
+TEST_F(ConversionTest, NothingPairedIsNoSuccess) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    for (int index = 0; index < 3; ++index) {
+      PairMessages messages = recordedFrame(index);
+      messages.right_image->header.stamp += ros::Duration(0.001);
+      writeFrame(bag, messages);
+    }
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_FALSE(summary.isComplete());
+  EXPECT_FALSE(summary.was_written);
+  EXPECT_FALSE(fs::exists(output_));
+  ASSERT_EQ(summary.problems.size(), 1U);
+  EXPECT_TRUE(mentions(summary.problems[0],
+                       {"no pair", "3 left images", "--max-stamp-difference-s 0.0011"}));
+  options_.plan.max_stamp_difference_s = 0.0011;
+  EXPECT_TRUE(convert(options_).isComplete());
+}
+
+TEST_F(ConversionTest, AnEmptyPartOfTheRecordingIsNoSuccess) {
+  writeRecording(input_, 2);
+  options_.plan.start_s = 1000;
+  const ConversionSummary summary = convert(options_);
+  EXPECT_FALSE(summary.isComplete());
+  ASSERT_EQ(summary.problems.size(), 1U);
+  EXPECT_TRUE(mentions(summary.problems[0], {"/stereo/left/image_rect", "--start"}));
+}
+
+TEST_F(ConversionTest, WithoutAnyResultNoBagIsWritten) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    PairMessages messages = recordedFrame(0);
+    messages.right_info->P[3] = 0;
+    writeFrame(bag, messages);
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_FALSE(summary.isComplete());
+  EXPECT_FALSE(fs::exists(output_));
+  EXPECT_TRUE(mentions(describeSummary(summary), {"0 of 1 frames done, 1 failed", "baseline"}));
+}
+
+/// Drivers that do not set stamps: the live node pairs what comes, too.
+TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    for (int index = 0; index < 3; ++index) {
+      PairMessages messages = recordedFrame(index);
+      const ros::Time time(100 + index);
+      for (std_msgs::Header* header :
+           {&messages.left_image->header, &messages.left_info->header,
+            &messages.right_image->header, &messages.right_info->header}) {
+        header->stamp = ros::Time(0, 0);
+      }
+      messages.right_info->P[3] *= index + 1;  // another baseline each time
+      bag.write("/stereo/left/camera_info", time, messages.left_info);
+      bag.write("/stereo/right/camera_info", time, messages.right_info);
+      bag.write("/stereo/left/image_rect", time, messages.left_image);
+      bag.write("/stereo/right/image_rect", time, messages.right_image);
+    }
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.isComplete());
+  EXPECT_EQ(summary.plan.equal_stamps, 2U);
+  EXPECT_TRUE(mentions(describeSummary(summary), {"2 pairs have the stamp of the pair before"}));
+  const auto found = disparities(output_);
+  ASSERT_EQ(found.size(), 3U);
+  for (int index = 0; index < 3; ++index) {
+    EXPECT_FLOAT_EQ(found[index]->T, 0.25F * static_cast<float>(index + 1));
+  }
+}
+
+/// A camera that was calibrated anew during the recording, whose camera_info came seldom.
+TEST_F(ConversionTest, CalibrationsOfTheFutureDoNotCount) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    for (int index = 0; index < 10; ++index) {
+      PairMessages messages = recordedFrame(index);
+      const ros::Time time = messages.left_image->header.stamp;
+      bag.write("/stereo/left/image_rect", time, messages.left_image);
+      bag.write("/stereo/right/image_rect", time, messages.right_image);
+      if (index == 2 || index == 6) {
+        messages.right_info->P[3] *= index;
+        bag.write("/stereo/left/camera_info", time, messages.left_info);
+        bag.write("/stereo/right/camera_info", time, messages.right_info);
+      }
+    }
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_EQ(summary.plan.infos_of_other_stamps, 8U);
+  const auto found = disparities(output_);
+  ASSERT_EQ(found.size(), 10U);
+  for (int index = 0; index < 10; ++index) {
+    EXPECT_FLOAT_EQ(found[index]->T, 0.25F * (index < 6 ? 2.0F : 6.0F)) << index;
+  }
+}
+
+TEST_F(ConversionTest, WarningsOfTheCalibrationAreInTheSummary) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    PairMessages messages = recordedFrame(0);
+    messages.right_info->P[3] *= 1000;  // mm
+    writeFrame(bag, messages);
+  });
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.isComplete());
+  EXPECT_TRUE(mentions(describeSummary(summary), {"warning", "baseline of 250 m", "mm"}));
+  EXPECT_TRUE(mentions(summaryJson(summary), {"\"warnings\"", "baseline of 250 m"}));
+}
+
+TEST_F(ConversionTest, AnOutputThatIsAnInputIsRejected) {
+  writeRecording(input_, 1);
+  const std::string content = contentOf(input_);
+  fs::create_symlink(input_, folder_.file("link.bag"));
+  fs::create_hard_link(input_, folder_.file("hard.bag"));
+  fs::create_directory(folder_.file("sub"));
+  options_.earlier = EarlierParts::kOverwrite;
+  writeRecording(folder_.file("other.bag"), 1);
+  options_.inputs = {folder_.file("other.bag"), input_};
+  for (const std::string name : {"in.bag", "./in.bag", "sub/../in.bag", "link.bag", "hard.bag"}) {
+    options_.output = folder_.file(name);
+    EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"is the input", "in.bag"})) << name;
+  }
+  options_.inputs = {folder_.file("out.bag.part.0-3")};
+  options_.output = folder_.file("out.bag");
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"is the input"}));
+  EXPECT_EQ(contentOf(input_), content);
 }
 
 TEST_F(ConversionTest, FrameIdsMayDifferUnlessThatIsRefused) {

@@ -262,9 +262,10 @@ TEST_F(FrameFilesTest, RefuseWithOneSentence) {
   folder_options_.compression = "lz4";
   EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"--compression"}));
   folder_options_.compression = "none";
-  folder_options_.output = input_;
-  EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"folder", "in.bag"}));
-  EXPECT_EQ(filesIn(fs::path(input_).parent_path().string()).size(), 1U);
+  folder_.write("file", "");
+  folder_options_.output = folder_.file("file");
+  EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"folder", "file"}));
+  EXPECT_EQ(filesIn(fs::path(input_).parent_path().string()).size(), 2U);
 }
 
 }  // namespace

@@ -25,7 +25,14 @@ TEST(PairStamps, TakesEqualStampsInAnyOrder) {
   EXPECT_EQ(pairs.right_alone, (std::vector<std::size_t>{1}));
 }
 
-TEST(PairStamps, LeavesOutRepeatedStamps) {
+TEST(PairStamps, PairsRepeatedStampsInTheOrderOfTheRecording) {
+  const StampPairs pairs = pairStamps(times({0, 0, 0, 5}), times({0, 5, 0, 0}), 0);
+  EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {1, 2}, {2, 3}, {3, 1}}));
+  EXPECT_TRUE(pairs.left_repeated.empty());
+  EXPECT_TRUE(pairs.right_repeated.empty());
+}
+
+TEST(PairStamps, LeavesOutRepeatedStampsWithoutPartner) {
   const StampPairs pairs = pairStamps(times({1, 1, 2}), times({1, 2, 2, 2}), 0);
   EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {2, 1}}));
   EXPECT_EQ(pairs.left_repeated, (std::vector<std::size_t>{1}));

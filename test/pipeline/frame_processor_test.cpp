@@ -106,7 +106,7 @@ TEST(OptionsFor, RefuseWhatTheMachineHasNoMemoryFor) {
     FAIL() << "nothing was thrown";
   } catch (const InputError& error) {
     EXPECT_EQ(error.fault(), InputFault::kMemory);
-    EXPECT_TRUE(mentions(error.what(), {"/left: images of 2000000 x 2000000 px with 4096 disparities need ",
+    EXPECT_TRUE(mentions(error.what(), {"/left: images of 2000000x2000000 pixels with 4096 disparities need ",
                                          "the machine has "}));
   }
 }

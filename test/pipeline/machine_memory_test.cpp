@@ -2,11 +2,16 @@
 
 #include <filesystem>
 #include <limits>
+#include <new>
 #include <sstream>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "support/error_text.h"
 #include "support/temporary_folder.h"
+
+#include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
 namespace {
@@ -64,6 +69,46 @@ TEST_F(GroupLimit, NeedNotBe) {
 TEST(MachineMemoryMb, IsSome) {
   EXPECT_GT(machineMemoryMb(), 64);
   EXPECT_LT(machineMemoryMb(), 1 << 26);
+}
+
+TEST(MachineMemoryRefusal, TellsNeedAndPresence) {
+  StereoOptions options;
+  options.range.count = 256;
+  const cv::Size size(2000, 1000);
+  EXPECT_EQ(machineMemoryRefusal(size, options, requiredMemoryMb(size, options)), "");
+  EXPECT_TRUE(mentions(machineMemoryRefusal(size, options, 1234.4),
+                       {"2000x1000", "256 disparities need",
+                        std::to_string(std::llround(requiredMemoryMb(size, options))) + " MB",
+                        "machine has 1234 MB", "disparity_range"}));
+}
+
+TEST(RequireMemory, TakesTheLowerOfBothBounds) {
+  StereoOptions options;
+  EXPECT_EQ(errorText([&] { requireMemory({640, 480}, options); }), "no error");
+  options.max_memory_mb = 2;
+  EXPECT_TRUE(mentions(errorText([&] {
+                         requireMemory({640, 480}, options);
+                       }),
+                       {"max_memory_mb allows 2"}));
+  options.max_memory_mb = 0;
+  options.range.count = 4096;
+  EXPECT_TRUE(mentions(errorText([&] {
+                         requireMemory({65535, 65535}, options);
+                       }),
+                       {"4096 disparities need", "but the machine has"}));
+}
+
+TEST(RequireMachineMemory, NamesWhatNeedsIt) {
+  EXPECT_EQ(errorText([] { requireMachineMemory(10, "samples", "take fewer", 10); }), "no error");
+  EXPECT_EQ(errorText([] { requireMachineMemory(11, "samples", "take fewer", 10); }),
+            "samples need 11 MB, but the machine has 10 MB; take fewer");
+}
+
+TEST(DescribeFailure, HasASentenceForMissingMemory) {
+  EXPECT_EQ(describeFailure(std::runtime_error("as it is")), "as it is");
+  EXPECT_TRUE(mentions(describeFailure(std::bad_alloc()), {"not enough memory", "MB"}));
+  EXPECT_TRUE(mentions(describeFailure(cv::Exception(cv::Error::StsNoMem, "e", "f", "g", 1)),
+                       {"not enough memory"}));
 }
 
 }  // namespace

@@ -126,6 +126,12 @@ TEST(Preset, SetsWhatItNames) {
   EXPECT_EQ(options.range.count, 100);
 }
 
+TEST(Preset, MayBeginWithAByteOrderMark) {
+  StereoOptions options;
+  readPreset(writePreset("\xEF\xBB\xBFP1: 2\r\n"), options);
+  EXPECT_EQ(options.sgm.p1, 2.0F);
+}
+
 TEST(Preset, NamesFileAndKeyThatAreWrong) {
   const auto read = [](const std::string& path) {
     return refusal([&] {

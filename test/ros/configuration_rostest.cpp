@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <map>
+#include <memory>
+#include <utility>
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
@@ -185,6 +188,46 @@ TEST(Startup, RefusesBadPrivateParameters) {
   EXPECT_FALSE(nodelet.load());
 }
 
+TEST(Startup, RangeErrorsNameTheRange) {
+  LogReader log;
+  wait(0.3);  // until the subscription stands
+  StereoNodelet nodelet("range_test");
+  nodelet.parameters().setParam("points_max_depth_m", 2e6);
+  EXPECT_FALSE(nodelet.load());
+  EXPECT_TRUE(log.waitForWarning(
+      {"/range_test/nodelet/points_max_depth_m is 2000000, expected 0 to 1000000 m"}));
+}
+
+TEST(Startup, UnknownPrivateParametersAreNamed) {
+  LogReader log;
+  wait(0.3);  // until the subscription stands
+  StereoNodelet nodelet("typo_test");
+  nodelet.parameters().setParam("dispartiy_range", 96);
+  nodelet.parameters().setParam("diagnostic_period", 1.0);
+  nodelet.parameters().setParam("compressed/mode", "gray");  // of an image transport
+  nodelet.parameters().setParam("unknown_arguments", "fores : forest preset");
+  ASSERT_TRUE(nodelet.load());
+  EXPECT_TRUE(log.waitForWarning({"/typo_test/nodelet/dispartiy_range is not a parameter",
+                                  "nearest known name: disparity_range"}));
+  EXPECT_TRUE(log.waitForWarning({"fores is not an argument", "nearest known name: forest"}));
+  for (const char* known : {"diagnostic_period is", "mode is", "forest is", "preset is"}) {
+    EXPECT_FALSE(log.waitForWarning({known}, 0.1)) << known;
+  }
+}
+
+TEST(Startup, TwoInputsMayNotBeOneTopic) {
+  LogReader log;
+  wait(0.3);  // until the subscription stands
+  StereoNodelet remapped("same_topic_test");
+  EXPECT_FALSE(remapped.load({{"/same_topic_test/left/image_rect", "right/image_rect"}}));
+  EXPECT_TRUE(log.waitForWarning(
+      {"cannot start", "same topic, /same_topic_test/right/image_rect", "remaps"}));
+  StereoNodelet configured("same_info_test");
+  configured.parameters().setParam("right_info_topic", "left/camera_info");
+  EXPECT_FALSE(configured.load());
+  EXPECT_TRUE(log.waitForWarning({"same topic, /same_info_test/left/camera_info"}));
+}
+
 TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   LogReader log;
   wait(0.3);  // until the subscription stands
@@ -192,7 +235,7 @@ TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   nodelet.parameters().setParam("P1", 200.0);
   nodelet.parameters().setParam("speckle_size", 100);
   ASSERT_TRUE(nodelet.load());
-  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/P1 is 200", "[0, 60]"}));
+  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/P1 is 200", "0 to 60"}));
   EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/speckle_size", "ignored"}));
 }
 
@@ -231,14 +274,120 @@ std::function<void(PairMessages&)> delayRight(double delay_s) {
   };
 }
 
+/// Cameras whose calibrations are published apart from the images.
+class CameraInfos : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kFrames = 20;
+  /// When nothing is waited for any more, two pairs come at once.
+  static constexpr std::size_t kMayBeReplaced = 1;
+
+  void start(const std::string& name_space) {
+    nh_ = ros::NodeHandle("/" + name_space);
+    nodelet_ = std::make_unique<StereoNodelet>(name_space);
+    ASSERT_TRUE(nodelet_->load());
+    left_image_ = nh_.advertise<sensor_msgs::Image>("left/image_rect", 20);
+    right_image_ = nh_.advertise<sensor_msgs::Image>("right/image_rect", 20);
+    left_info_ = nh_.advertise<sensor_msgs::CameraInfo>("left/camera_info", 20, true);
+    right_info_ = nh_.advertise<sensor_msgs::CameraInfo>("right/camera_info", 20, true);
+  }
+  void listen() {
+    output_.subscribe(nh_, "disparity");
+    ASSERT_TRUE(waitFor([&] {
+      return left_image_.getNumSubscribers() > 0 && right_image_.getNumSubscribers() > 0 &&
+             left_info_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0 &&
+             output_.isConnected();
+    }));
+    wait(0.2);  // until latched messages are there
+  }
+  PairMessages messages() const { return makeMessages(pair_, {}, ros::Time::now()); }
+  void publishImages(const PairMessages& messages) {
+    left_image_.publish(messages.left_image);
+    right_image_.publish(messages.right_image);
+  }
+  void publishInfos(const PairMessages& messages) {
+    left_info_.publish(messages.left_info);
+    right_info_.publish(messages.right_info);
+  }
+  bool haveCome(std::size_t count) {
+    return waitFor([&] { return output_.count() >= count; });
+  }
+
+  ros::NodeHandle nh_;
+  std::unique_ptr<StereoNodelet> nodelet_;
+  StereoPair pair_ = renderPair({61, 43}, kFarPx, kNearPx);
+  ros::Publisher left_image_;
+  ros::Publisher right_image_;
+  ros::Publisher left_info_;
+  ros::Publisher right_info_;
+  Collector<stereo_msgs::DisparityImage> output_;
+};
+
+TEST_F(CameraInfos, ThatAreLatchedServeEveryPair) {
+  start("latched_test");
+  PairMessages calibration = messages();
+  calibration.left_info->header.stamp = calibration.right_info->header.stamp = ros::Time();
+  publishInfos(calibration);
+  listen();
+  for (std::size_t i = 1; i <= kFrames; ++i) {
+    publishImages(messages());
+    wait(0.1);
+    EXPECT_GE(output_.count(), i > 6 ? i - 2 : 0);  // none is late once the topic is known
+  }
+  EXPECT_TRUE(haveCome(kFrames - kMayBeReplaced)) << output_.count();
+}
+
+TEST_F(CameraInfos, ThatAreLatchedServeTheOnlyPair) {
+  start("latched_once_test");
+  publishInfos(messages());
+  listen();
+  publishImages(messages());
+  EXPECT_TRUE(haveCome(1));
+}
+
+TEST_F(CameraInfos, MayComeSeldom) {
+  start("seldom_test");
+  listen();
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    if (i % 7 == 0) {
+      publishInfos(messages());
+    }
+    publishImages(messages());
+    wait(0.1);
+  }
+  EXPECT_TRUE(haveCome(kFrames - kMayBeReplaced)) << output_.count();
+}
+
+/// They come after their images, and each frame has another focal length.
+TEST_F(CameraInfos, OfEveryImageAreWaitedFor) {
+  start("late_info_test");
+  listen();
+  std::map<ros::Time, float> focal_lengths;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    const float focal_length = 100.0F + static_cast<float>(i);
+    PairMessages frame = messages();
+    for (const auto& info : {frame.left_info, frame.right_info}) {
+      info->P[0] = info->P[5] = focal_length;
+    }
+    focal_lengths[frame.left_image->header.stamp] = focal_length;
+    publishImages(frame);
+    wait(0.02);
+    publishInfos(frame);
+    wait(0.08);
+  }
+  ASSERT_TRUE(haveCome(kFrames)) << output_.count();
+  for (const auto& [stamp, focal_length] : focal_lengths) {
+    EXPECT_EQ(output_.at(stamp).f, focal_length);
+  }
+}
+
 TEST(Synchronisation, SaysWhyNothingComes) {
   LogReader log;
   StereoNodelet nodelet("sync_report_test");
   ASSERT_TRUE(nodelet.load());
   EXPECT_FALSE(disparityComes("sync_report_test", delayRight(0.002), 5.5));
-  EXPECT_TRUE(log.waitForWarning({"no synchronised", "/sync_report_test/left/image_rect ", " Hz",
+  EXPECT_TRUE(log.waitForWarning({"no synchronized", "/sync_report_test/left/image_rect ", " Hz",
                                   "/sync_report_test/right/image_rect ", "(stamps 2.0 ms",
-                                  "approximate_sync"}));
+                                  "approximate_sync_max_interval_s to 0.003"}));
 }
 
 TEST(Synchronisation, ApproximateSyncPairsCloseStampsOnly) {
@@ -292,6 +441,35 @@ TEST(Topics, CanBeRemapped) {
                             {"/remap_test/right/camera_info", "/elsewhere/right/camera_info"}}));
   EXPECT_TRUE(
       outputOf<stereo_msgs::DisparityImage>("elsewhere", "/remap_test/renamed", changeNothing));
+}
+
+TEST(Topics, AreTheParameters) {
+  StereoNodelet nodelet("topic_parameter_test");
+  nodelet.parameters().setParam("left_image_topic", "/named/left/image_rect");
+  nodelet.parameters().setParam("left_info_topic", "/named/left/camera_info");
+  nodelet.parameters().setParam("right_image_topic", "/no/such/image");
+  nodelet.parameters().setParam("right_info_topic", "names/right_info");
+  ASSERT_TRUE(nodelet.load({
+      {"/topic_parameter_test/right/image_rect", "/named/right/image_rect"},  // wins
+      {"/topic_parameter_test/names/right_info", "/named/right/camera_info"},
+  }));
+  EXPECT_TRUE(outputOf<stereo_msgs::DisparityImage>("named", "/topic_parameter_test/disparity",
+                                                    changeNothing));
+}
+
+/// Remaps that exchange the cameras must not be followed twice.
+TEST(Topics, MayBeExchanged) {
+  StereoNodelet nodelet("exchange_test");
+  ASSERT_TRUE(
+      nodelet.load({{"/exchange_test/left/image_rect", "/exchange_test/right/image_rect"},
+                    {"/exchange_test/left/camera_info", "/exchange_test/right/camera_info"},
+                    {"/exchange_test/right/image_rect", "/exchange_test/left/image_rect"},
+                    {"/exchange_test/right/camera_info", "/exchange_test/left/camera_info"}}));
+  EXPECT_TRUE(disparityComes("exchange_test", [](PairMessages& messages) {
+    std::swap(messages.left_image, messages.right_image);
+    std::swap(messages.left_info, messages.right_info);
+  }));
+  EXPECT_FALSE(disparityComes("exchange_test", changeNothing, 1));
 }
 
 TEST(Topics, ImageTransportIsTheParameters) {

@@ -108,6 +108,7 @@ TEST(WriteConfig, KeepsValuesAsTheyWereTyped) {
 }
 
 TEST(Preset, IsANameOrAPath) {
+  setenv("ROS_PACKAGE_PATH", CBMV_SOURCE_DIR, 1);
   EXPECT_EQ(presetPath(""), "");
   EXPECT_EQ(presetPath(kNoPreset), "");
   EXPECT_EQ(presetPath("/some/where.yml"), "/some/where.yml");

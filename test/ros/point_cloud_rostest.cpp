@@ -159,6 +159,29 @@ TEST_F(CloudOfDisparity, NegativeMinimumDisparity) {
   expectCloudOf(values, -8);
 }
 
+TEST_F(CloudOfDisparity, CalibrationMayComeOnce) {
+  start();
+  const cv::Mat values = twoPlanes(4, 9);
+  const PairMessages calibration = makePair();
+  cameras_.publishInfos(calibration);
+  for (int i = 0; i < 3; ++i) {
+    PairMessages pair = makePair();
+    const auto disparity = makeDisparity(values, 4, pair.left_image->header);
+    color_ = cv::Mat(kSize, CV_8UC3, cv::Scalar(1, 2, 3));
+    cameras_.publishColor(makeImage(color_, "bgr8", pair.left_image->header));
+    disparity_.publish(disparity);
+    expectCloud(pair, values, 4, {});
+  }
+}
+
+TEST_F(CloudOfDisparity, UnknownPrivateParametersAreNamed) {
+  LogReader log;
+  wait(0.3);  // until the subscription stands
+  nodelet_.parameters().setParam("queue_sise", 7);
+  start();
+  EXPECT_TRUE(log.waitForWarning({"queue_sise is not a parameter", "queue_size"}));
+}
+
 TEST_F(CloudOfDisparity, RegionOfInterestAndBinning) {
   start();
   const Rig rig{120, 0.25, (140 - 20) / 2.0, (140 - 30) / 2.0, (100 - 12) / 2.0};

@@ -93,7 +93,7 @@ std::vector<std::string> parameterRows(const std::vector<PrivateParameter>& para
 
 /// Names and types, each as the first two cells of a row.
 template <typename Inputs>
-void expectInputs(const std::string& heading, const typename Inputs::Topics& topics) {
+void expectInputs(const std::string& heading, const InputTopics& topics) {
   const auto types = Inputs::types();
   const std::string text = section(heading);
   for (std::size_t i = 0; i < topics.size(); ++i) {
@@ -145,15 +145,25 @@ TEST(RosDocument, HasTheParametersThatAreNoneOfTheMethod) {
   expectRows("Parameters at run time", wanted);
 }
 
-/// Every private parameter can be given to the launch file, with the same default.
+/// Made by the launch file of its arguments.
+bool isMadeOfArguments(const std::string& parameter) {
+  return parameter == "unknown_arguments" || parameter == kColorTopicParameter ||
+         std::find(kStereoTopicParameters.begin(), kStereoTopicParameters.end(), parameter) !=
+             kStereoTopicParameters.end();
+}
+
+/// Every other private parameter can be given to the launch file, with the same default.
 TEST(RosDocument, LaunchFileHasThePrivateParameters) {
   const std::string launch = readFile(CBMV_SOURCE_DIR "/launch/stereo.launch");
   for (const PrivateParameter& parameter : stereoPrivateParameters()) {
+    EXPECT_NE(launch.find("<param name=\"" + parameter.name + "\""), std::string::npos)
+        << parameter.name;
+    if (isMadeOfArguments(parameter.name)) {
+      continue;
+    }
     const std::regex argument("<arg name=\"" + parameter.name + "\" default=\"([^\"]*)\"/>");
     std::smatch found;
     ASSERT_TRUE(std::regex_search(launch, found, argument)) << parameter.name;
-    EXPECT_NE(launch.find("<param name=\"" + parameter.name + "\""), std::string::npos)
-        << parameter.name;
     if (isNumber(parameter.default_value)) {
       std::visit(
           [&](const auto& value) {
@@ -190,6 +200,21 @@ TEST(RosDocument, HasTheArgumentsOfTheOtherLaunchFiles) {
       EXPECT_NE(documented.find("`" + name + "`"), std::string::npos)
           << name << " of " << file << " is not documented";
     }
+  }
+}
+
+/// What the node takes for unknown arguments.
+TEST(RosDocument, LaunchFilesKnowTheirArguments) {
+  for (const char* file : {"stereo", "stereo_image_proc_replacement", "comparison", "demo"}) {
+    const std::string launch = readFile(CBMV_SOURCE_DIR "/launch/" + std::string(file) + ".launch");
+    const std::regex list("<arg name=\"known\" value=\"([^\"]*)\"/>");
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(launch, found, list)) << file;
+    std::istringstream words(found[1]);
+    const std::set<std::string> known(std::istream_iterator<std::string>(words), {});
+    std::set<std::string> wanted = argumentsOf(launch);
+    wanted.insert("known");
+    EXPECT_EQ(known, wanted) << file;
   }
 }
 

@@ -39,6 +39,12 @@ class ScriptTest(unittest.TestCase):
         self.assertIn(str(says), last)
 
 
+class Run(ScriptTest):
+    def test_unknown_program(self):
+        self.refuses("run", "cbmv_nonsense", says="cbmv_match")
+        self.refuses("run", says="cbmv_match")
+
+
 class Soak(ScriptTest):
     def test_wrong_arguments(self):
         self.refuses("soak", "--size", "640", says="--size is 640; WIDTHxHEIGHT")

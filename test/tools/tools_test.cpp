@@ -1,9 +1,11 @@
 // The command-line programs as a user meets them: what they write, what they say of bad input.
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -147,11 +149,27 @@ TEST_F(ToolsTest, MatchSaysWhatIsWrongWithTheCalibration) {
                            " --output " + path("out") + " --calibration ";
   expectRefusal(run("cbmv_match", rest + path("none.txt")), {path("none.txt"), "no such file"});
   expectRefusal(run("cbmv_match", rest + path("text.png")), {path("text.png"), "cam0"});
-  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "--right-calibration"});
+  CameraCalibration camera;
+  camera.width = 160;
+  camera.height = 100;
+  writeCameraYaml(path("left.yaml"), camera);
+  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right one"});
   writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 320, 200, 32});
   expectRefusal(run("cbmv_match", rest + path("calib.txt")),
-                {path("calib.txt"), "320x200", path("left.png"), "160x100"});
+                {path("calib.txt"), "320 x 200 px", path("left.png"), "160 x 100 px"});
   EXPECT_FALSE(std::filesystem::exists(path("out")));
+}
+
+TEST_F(ToolsTest, MatchTakesTheRangeOfTheCalibration) {
+  writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 160, 100, 17});
+  const std::string rest = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --calibration " + path("calib.txt") + " --output ";
+  ASSERT_EQ(run("cbmv_match", rest + path("told")).status, 0);
+  ASSERT_EQ(run("cbmv_match", rest + path("asked") + " --disparities 17").status, 0);
+  ASSERT_EQ(run("cbmv_match", rest + path("other") + " --disparities 30").status, 0);
+  const std::string told = contentOf(path("told/disparity.pfm"));
+  EXPECT_TRUE(told == contentOf(path("asked/disparity.pfm")));
+  EXPECT_FALSE(told == contentOf(path("other/disparity.pfm")));
 }
 
 TEST_F(ToolsTest, WrongArgumentsGiveStatusTwo) {
@@ -224,6 +242,51 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
     expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
                   {folder, path("text.png") + " is none"});
   }
+}
+
+TEST_F(ToolsTest, TellTheBoundsOfNumbers) {
+  const std::string match = "left right --forest f --output o ";
+  const std::string tune = "--dataset d --forest f --output o ";
+  for (const auto& [tool, arguments, message] : std::vector<std::array<std::string, 3>>{
+           {"cbmv_match", match + "--disparities 0",
+            "--disparities: is \"0\", expected a whole number from 1 to 4096"},
+           {"cbmv_match", match + "--threads 1.5",
+            "\"1.5\", expected a whole number from 0 to 1024"},
+           {"cbmv_tune", tune + "--evaluations 0", "is \"0\", expected a whole number from 1 to 1"},
+           {"cbmv_tune", tune + "--rows many", "--rows: is \"many\", expected a whole number"},
+           {"cbmv_eval", "--dataset d --forest f --threads -1", "from 0 to 1024"},
+           {"cbmv_train", "--dataset d --output o --max-samples 0", "a whole number from 1 to"}}) {
+    const Outcome outcome = run(tool, arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.output, testing::HasSubstr(message));
+    EXPECT_LT(outcome.output.size(), 200U);
+  }
+}
+
+TEST_F(ToolsTest, TellTheirVersion) {
+  for (const std::string tool : {"cbmv_match", "cbmv_eval", "cbmv_train", "cbmv_tune"}) {
+    EXPECT_EQ(run(tool, "--version").status, 0);
+    run(tool, "--version | tee " + path("version"));
+    EXPECT_THAT(contentOf(path("version")), testing::MatchesRegex(tool + " [0-9]+[.0-9]+\n"));
+  }
+}
+
+TEST_F(ToolsTest, KnowPresetsAndForestsByName) {
+  writeScene(path("data/One"), scene_);
+  const std::string data = "--dataset middlebury_v3:" + path("data");
+  EXPECT_EQ(run("cbmv_eval",
+                data + " --forest middlebury_small --preset realtime --csv " + path("report.csv"))
+                .status,
+            0);
+  const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest;
+  EXPECT_EQ(run("cbmv_match", pair + " --preset realtime --output " + path("out")).status, 0);
+  expectRefusal(run("cbmv_match", pair + " --preset fast --output " + path("out")),
+                {"no preset 'fast'", "balanced, ", "realtime", "path"});
+  expectRefusal(run("cbmv_eval", data + " --forest small"),
+                {"no forest 'small'", "middlebury_small", "path"});
+  expectRefusal(run("cbmv_tune",
+                    data + " --forest " + kForest + " --start fast --output " + path("tuned.yaml")),
+                {"no preset 'fast'"});
 }
 
 TEST_F(ToolsTest, TuneWritesAPreset) {

@@ -53,6 +53,13 @@ TEST_F(ForestTraining, SharesTheSamplesAmongTheScenes) {
   EXPECT_GT(samples.count(), 2700);
 }
 
+TEST_F(ForestTraining, TellsWhatSamplesTakeMoreThanTheMachineHas) {
+  options_.max_samples = 1L << 50;
+  options_.pixels_per_scene = 1L << 45;
+  EXPECT_TRUE(mentions(errorText([&] { drawSamples(scenes_, options_, ignore); }),
+                       {"samples need", "but the machine has", "--max-samples"}));
+}
+
 /// From the files to the forest, of both kinds.
 TEST_F(ForestTraining, DependsOnTheSeedOnly) {
   const auto train = [&](std::size_t threads, std::uint64_t seed) {

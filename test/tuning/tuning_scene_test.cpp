@@ -75,6 +75,13 @@ TEST_F(TuningSceneTest, KeepsTheMiddleRows) {
   EXPECT_EQ(prepareScene(scenes_[0], *forest_, {}, 500).volume.height(), 101);
 }
 
+TEST_F(TuningSceneTest, CountsTheMemoryOfEarlierScenes) {
+  const TuningScene scene = prepareScene(scenes_[0], *forest_, {}, 0);
+  EXPECT_NEAR(scene.heldMb(), 160.0 * 101 * (30 + 7) / (1 << 20), 1e-9);
+  EXPECT_TRUE(mentions(errorText([&] { prepareScene(scenes_[0], *forest_, {}, 0, 1e12); }),
+                       {"scene One", "those before it need 1000000000", "but the machine has"}));
+}
+
 TEST_F(TuningSceneTest, TakesAForestThatDidNotSeeTheScene) {
   const std::string title = scenes_[0].data_set.title();
   const auto saw_one = forestOf("a", title, {"One", "Three"});

@@ -59,8 +59,8 @@ struct CalibrationCheck {
 /// Warnings: left and right P that differ in fx, fy or cy; fx other than fy; entries of P that are
 /// 0 in a rectified pair (P[1], P[4], P[8], P[9], P[7]: the cameras differ in height, P[11]: in
 /// depth); P[10] other than 1; baselines outside of 5 mm to 5 m; a principal point outside of the
-/// image; unknown size (0 x 0: the image's is taken); R that is no rotation; and, where others have
-/// rectified, D = 0 with R or P ≠ K to rectify by, which image_proc skips.
+/// image; unknown size (0 x 0: the image's is taken; not of files); R that is no rotation; and,
+/// where others have rectified, D = 0 with R or P ≠ K to rectify by, which image_proc skips.
 CalibrationCheck checkCalibration(const StereoCameras& cameras, cv::Size image_size,
                                   const InputNames& names, RectifiedBy rectified_by);
 

@@ -8,8 +8,9 @@
 namespace cbmv {
 
 /// Reads the YAML files of camera_calibration and camera_info_manager:
-/// http://wiki.ros.org/camera_calibration_parsers. Throws Error naming the file, and the key that
-/// is missing or malformed.
+/// http://wiki.ros.org/camera_calibration_parsers. binning_x, binning_y (at least 1) and roi
+/// (x_offset, y_offset, width, height) are read where they are there, as CameraInfo has them.
+/// Throws Error naming the file, and the key that is missing or malformed.
 CameraCalibration readCameraYaml(const std::string& path);
 
 /// Writes such a file. Throws Error naming the file when it cannot be written.

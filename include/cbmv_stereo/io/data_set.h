@@ -16,10 +16,12 @@ enum class Truth { kRequired, kOptional };
 /// Pairs with ground truth in one of these layouts. A scene's `truth` holds all that is known,
 /// `visible` the part of it that both cameras see.
 ///
-/// - middlebury_v3: SCENE/ of readMiddleburyScene. ndisp from calib.txt.
-/// - middlebury_2005 (2006 too; third size): SCENE/view1.png (left), view5.png (right), disp1.png
-///   (value / 3, 0 unknown). Visible: where disp5.png, the truth of view5, agrees within 1 px;
-///   without that file visibleInBoth(truth). 85 disparities.
+/// - middlebury_v3: SCENE/ of readMiddleburyScene, also of 2014 in full size. ndisp from calib.txt.
+/// - middlebury_2005, middlebury_2005_half, middlebury_2005_full (2006 too; third, half and full
+///   size): SCENE/view1.png (left), view5.png (right), disp1.png (value / 3, 2 or 1; 0 unknown).
+///   Visible: where disp5.png, the truth of view5, agrees within 1 px; without that file
+///   visibleInBoth(truth). 85, 128 or 255 disparities. It is an Error where images are too wide for
+///   the size, or gray values tell that the truth is of another one.
 /// - kitti2012: image_0/SCENE.png (left), image_1 (right), disp_noc (value / 256, 0 unknown; the
 ///   visible pixels) and, where it is there, disp_occ, the truth of all pixels. 228 disparities.
 /// - kitti2015: the same with image_2, image_3, disp_noc_0, disp_occ_0.
@@ -30,8 +32,8 @@ enum class Truth { kRequired, kOptional };
 ///   called as the left file without extension, with '_' for '/'.
 ///
 /// With Truth::kOptional the test scenes of the benchmarks can be read too: Middlebury v3 and ETH3D
-/// without disp0GT.pfm, and KITTI without a folder of the visible truth, where the scenes are the
-/// NNNNNN_10.png of the left images. The other kinds always need the truth.
+/// without disp0GT.pfm or disp0.pfm, and KITTI without a folder of the visible truth, where the
+/// scenes are the NNNNNN_10.png of the left images. The other kinds always need the truth.
 ///
 /// Ranges that are the same for a whole kind are cut to the width of the image. Copies share what
 /// they hold; reading from several threads is safe.

@@ -6,7 +6,8 @@
 
 namespace cbmv {
 
-/// Reads disparities as CV_32FC1, px, NaN = unknown: from a portable float map (extension .pfm)
+/// Reads disparities as CV_32FC1, px, NaN = unknown: from a portable float map (extension .pfm
+/// in upper or lower case)
 /// value / divisor, where values that are not finite are unknown; from any other image, which must
 /// be grey with 8 or 16 bits, value / divisor, where 0 is unknown.
 /// Throws Error naming the file when it is missing, malformed or of another type.

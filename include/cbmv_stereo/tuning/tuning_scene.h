@@ -39,12 +39,15 @@ struct TuningScene {
   ErrorSum errors;           ///< what counts
   StereoScene scene;         ///< the right image aligned; without left_color
   MatchingVolume volume;     ///< of the left view, over 0 … calibration.disparities − 1
+
+  double heldMb() const;  ///< memory that it keeps, MB
 };
 
 /// Aligns the pair as the options say and builds the volume. rows > 0: only so many rows from the
-/// middle of the scene are kept, to save time. Throws Error that names the scene or file.
+/// middle of the scene are kept, to save time. Throws Error that names the scene or file, also
+/// where the machine has no memory for the scene beside `held_mb`, what earlier ones keep.
 TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
-                         const RectificationOptions& rectification, int rows);
+                         const RectificationOptions& rectification, int rows, double held_mb = 0);
 
 /// Scores scenes; holds the buffers for that.
 class TuningScorer {

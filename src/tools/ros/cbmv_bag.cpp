@@ -12,18 +12,23 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
+#include "../program_files.h"
 #include "../progress_bar.h"
+#include "../range_checks.h"
 #include "../run_tool.h"
 #include "../stereo_arguments.h"
 #include "offline/bag_check.h"
 #include "offline/conversion.h"
+#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/output_check.h"
 
 namespace cbmv {
 namespace {
 
+constexpr const char* kTool = "cbmv_bag";
 constexpr int kIncomplete = 3;  ///< exit status: done as far as possible, but not all
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -56,17 +61,42 @@ std::optional<DisparityFormat> fileFormat(const std::string& format, const std::
              : std::nullopt;
 }
 
+/// What became of the output, and on stderr why it is not all that was asked for.
+void reportOutput(const std::string& output, const ConversionSummary& summary) {
+  for (const std::string& problem : summary.problems) {
+    std::fprintf(stderr, "%s: %s\n", kTool, problem.c_str());
+  }
+  const char* text = summary.interrupted   ? "%s is not complete; --resume goes on\n"
+                     : summary.was_written ? "wrote %s\n"
+                                           : "nothing was written to %s\n";
+  std::printf(text, output.c_str());
+}
+
+/// Before the work, whose result could not be kept.
+void requireWritable(const Arguments& arguments) {
+  const ConversionOptions& options = arguments.conversion;
+  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+  if (arguments.json.empty()) {
+    return;
+  }
+  requireWritableFile(arguments.json);
+  for (const std::string& input : options.inputs) {
+    requireOtherFile(input, arguments.json);
+  }
+}
+
 int convert(Arguments& arguments) {
   ConversionOptions& options = arguments.conversion;
   options.files = fileFormat(arguments.format, options.output);
-  options.matching.stereo = readStereoOptions(arguments.stereo, "cbmv_bag");
+  options.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  requireWritable(arguments);
   if (!arguments.shard.empty()) {
     options.shard = parseShard(arguments.shard);
   }
   options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
                     : arguments.resume  ? EarlierParts::kResume
                                         : EarlierParts::kRefuse;
-  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   ConversionSummary summary;
   {
     ProgressBar bar(stderr, isTerminal(stderr));
@@ -85,14 +115,13 @@ int convert(Arguments& arguments) {
   if (!arguments.json.empty()) {
     writeJson(arguments.json, summaryJson(summary));
   }
-  std::printf(summary.interrupted ? "%s is not complete; --resume goes on\n" : "wrote %s\n",
-              options.output.c_str());
+  reportOutput(options.output, summary);
   return summary.isComplete() ? 0 : kIncomplete;
 }
 
 int check(Arguments& arguments) {
-  arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, "cbmv_bag");
-  const auto forest = std::make_shared<const Forest>(readForest(arguments.forest));
+  arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
   for (const std::string& problem : found.problems) {
@@ -121,20 +150,20 @@ void addInput(CLI::App& app, Arguments& arguments) {
                  "Namespace of left/… and right/…, and of what is written");
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
                  "Between the images of a pair; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(nonNegativeNumber())
       ->capture_default_str();
   app.add_option("--start", options.plan.start_s, "Seconds of the recording that are left out")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--duration", options.plan.duration_s, "Seconds to process; 0: to the end")
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--every", options.plan.every, "Process one of so many pairs")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
 }
 
 void addMatching(CLI::App& app, Arguments& arguments) {
   MatchingOptions& options = arguments.conversion.matching;
-  app.add_option("--forest", arguments.forest, "File of the forest")->required();
+  app.add_option("--forest", arguments.forest, kForestHelp)->required();
   addStereoOptions(app, arguments.stereo);
   app.add_option("--min-confidence", options.min_confidence,
                  "Pixels of a lower confidence have no disparity")
@@ -172,7 +201,7 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
   app.add_option("--frames-per-part", options.frames_per_part,
                  "A run that is killed loses at most so many frames")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "File for the summary");
 }
@@ -195,7 +224,7 @@ int runMerge(int argc, char** argv) {
   addCompression(app, options.compression);
   app.add_flag("--overwrite", options.overwrite, "Replace the output if it exists");
   int status = 0;
-  const int refusal = runTool(app, argc, argv, "cbmv_bag", [&] { status = merge(options); });
+  const int refusal = runTool(app, argc, argv, kTool, [&] { status = merge(options); });
   return refusal != 0 ? refusal : status;
 }
 
@@ -212,7 +241,7 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
         "BAG...` makes one bag from those of all shards.");
   }
   int status = 0;
-  const int refusal = runTool(app, argc, argv, "cbmv_bag",
+  const int refusal = runTool(app, argc, argv, kTool,
                               [&] { status = is_check ? check(arguments) : convert(arguments); });
   return refusal != 0 ? refusal : status;
 }

@@ -13,6 +13,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include "../range_checks.h"
 #include "../run_tool.h"
 #include "raw_demo.h"
 #include "ros/conversions.h"
@@ -228,8 +229,12 @@ int main(int argc, char** argv) {
   make_bag->add_option("--calibration", bag.calibration, "calib.txt as Middlebury v3 has it")
       ->required();
   make_bag->add_option("--output", bag.output, "The bag to write")->required();
-  make_bag->add_option("--frames", bag.frames)->check(CLI::Range(1, 100000))->capture_default_str();
-  make_bag->add_option("--rate-hz", bag.rate_hz)->check(CLI::PositiveNumber)->capture_default_str();
+  make_bag->add_option("--frames", bag.frames)
+      ->check(cbmv::wholeNumber(1, 100000))
+      ->capture_default_str();
+  make_bag->add_option("--rate-hz", bag.rate_hz)
+      ->check(cbmv::positiveNumber())
+      ->capture_default_str();
 
   cbmv::ReportArguments recorded;
   CLI::App* report = app.add_subcommand("report", "Shows what a node made of such a bag");
@@ -248,16 +253,16 @@ int main(int argc, char** argv) {
   calibrate->add_option("--output", raw.output, "Folder for left.yaml, right.yaml, raw.bag")
       ->required();
   calibrate->add_option("--columns", raw.board.corners.width, "Inner corners of the board")
-      ->check(CLI::Range(3, 100))
+      ->check(cbmv::wholeNumber(3, 100))
       ->capture_default_str();
   calibrate->add_option("--rows", raw.board.corners.height, "Inner corners of the board")
-      ->check(CLI::Range(3, 100))
+      ->check(cbmv::wholeNumber(3, 100))
       ->capture_default_str();
   calibrate->add_option("--square-m", raw.board.square_m, "Side of a square; scales the baseline")
-      ->check(CLI::PositiveNumber)
+      ->check(cbmv::positiveNumber())
       ->capture_default_str();
   calibrate->add_option("--rate-hz", raw.rate_hz)
-      ->check(CLI::PositiveNumber)
+      ->check(cbmv::positiveNumber())
       ->capture_default_str();
 
   cbmv::ShowRawArguments shown;
@@ -265,7 +270,9 @@ int main(int argc, char** argv) {
       app.add_subcommand("show-raw", "Left images as rectified, beside the disparities");
   show_raw->add_option("bag", shown.bag, "Bag recorded from the node")->required();
   show_raw->add_option("--output", shown.output, "The picture to write")->required();
-  show_raw->add_option("--frames", shown.frames)->check(CLI::PositiveNumber)->capture_default_str();
+  show_raw->add_option("--frames", shown.frames)
+      ->check(cbmv::wholeNumber(1))
+      ->capture_default_str();
 
   return cbmv::runTool(app, argc, argv, "cbmv_demo", [&] {
     if (*render) {

@@ -1,0 +1,31 @@
+#include "offline/other_file.h"
+
+#include <filesystem>
+
+#include "cbmv_stereo/error.h"
+
+namespace cbmv {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Absolute, without symbolic links as far as the path exists.
+std::string realPath(const std::string& path) {
+  std::error_code ignored;
+  const fs::path real = fs::weakly_canonical(path, ignored);
+  return real.empty() ? path : real.string();
+}
+
+}  // namespace
+
+void requireOtherFile(const std::string& input, const std::string& output) {
+  std::error_code missing;
+  const std::string parts = realPath(output) + ".part.";
+  const bool is_part = realPath(input).compare(0, parts.size(), parts) == 0;
+  if (fs::equivalent(input, output, missing) || is_part) {
+    throw Error("the output " + output + " is the input " + input +
+                ", which would be lost. Choose another name for the output.");
+  }
+}
+
+}  // namespace cbmv

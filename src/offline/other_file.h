@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+
+namespace cbmv {
+
+/// Throws Error if writing `output` would destroy `input`: it is the same file, by whatever path, or
+/// a part of an earlier run that is replaced. `output` need not exist.
+void requireOtherFile(const std::string& input, const std::string& output);
+
+}  // namespace cbmv

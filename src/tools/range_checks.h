@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+// Checks of numbers on the command line, whose messages name the bounds: those of CLI11 print the
+// largest double.
+
+namespace cbmv {
+
+/// A check for what `accepts` takes of the numbers; `expected` says what that is.
+template <typename Number, typename Accepts>
+CLI::Validator numberCheck(const Accepts& accepts, const std::string& expected) {
+  const auto check = [accepts, expected](const std::string& text) {
+    std::istringstream in(text);
+    in.imbue(std::locale::classic());
+    Number number{};
+    const bool is_number = in >> number && in.eof();
+    return is_number && accepts(number) ? std::string()
+                                        : "is \"" + text + "\", expected " + expected;
+  };
+  return CLI::Validator(check, "", "number");
+}
+
+/// A whole number from `lowest` to `highest`.
+inline CLI::Validator wholeNumber(long lowest, long highest = 1000000000) {
+  return numberCheck<long>(
+      [=](long number) { return number >= lowest && number <= highest; },
+      "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest));
+}
+
+/// A finite number that is not negative.
+inline CLI::Validator nonNegativeNumber() {
+  return numberCheck<double>([](double number) { return number >= 0 && std::isfinite(number); },
+                             "a number from 0");
+}
+
+/// A finite number above 0.
+inline CLI::Validator positiveNumber() {
+  return numberCheck<double>([](double number) { return number > 0 && std::isfinite(number); },
+                             "a number above 0");
+}
+
+}  // namespace cbmv

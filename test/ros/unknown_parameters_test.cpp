@@ -1,0 +1,37 @@
+#include "ros/unknown_parameters.h"
+
+#include <gtest/gtest.h>
+
+#include "support/error_text.h"
+
+namespace cbmv {
+namespace {
+
+const std::vector<std::string> kParameters = {"disparity_range", "P1", "sgm_iterations"};
+
+TEST(UnknownNames, HaveANearestOne) {
+  EXPECT_EQ(nearestName("dispartiy_range", kParameters), "disparity_range");
+  EXPECT_EQ(nearestName("P2", kParameters), "P1");
+  EXPECT_EQ(nearestName("sgm_iteration", kParameters), "sgm_iterations");
+  EXPECT_EQ(nearestName("", kParameters), "P1");
+  EXPECT_EQ(nearestName("P1", kParameters), "P1");
+}
+
+TEST(UnknownNames, OfLaunchFilesAreDescribed) {
+  const auto sentences =
+      describeUnknownArguments("queue_sise disparity_range : left queue_size", kParameters);
+  ASSERT_EQ(sentences.size(), 2U);
+  EXPECT_EQ(sentences[0],
+            "queue_sise is not an argument of the launch file and is ignored; "
+            "nearest known name: queue_size");
+  EXPECT_TRUE(mentions(sentences[1], {"disparity_range is not an argument",
+                                      "nearest known name: disparity_range, a parameter"}));
+}
+
+TEST(UnknownNames, MayBeNone) {
+  EXPECT_TRUE(describeUnknownArguments("", kParameters).empty());
+  EXPECT_TRUE(describeUnknownArguments("__ns : left right", kParameters).empty());
+}
+
+}  // namespace
+}  // namespace cbmv
