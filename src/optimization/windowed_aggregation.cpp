@@ -35,40 +35,30 @@ constexpr int kPixelsShift = sizeof(Sum) == 4 ? 22 : 32;
 template <typename Value>
 using TileTag = hn::CappedTag<Value, kTileColumns>;
 
-void splitArms(const ArmRow& row, const std::array<std::uint8_t*, 2>& planes) {
-  const int begin = std::clamp(-row.first_column, 0, row.columns);
-  const int end = std::clamp(row.image_width - row.first_column, begin, row.columns);
-  for (std::uint8_t* plane : planes) {
-    std::fill_n(plane, begin, std::uint8_t{0});
-    std::fill(plane + end, plane + row.columns, std::uint8_t{0});
-  }
-  forLanes(hn::ScalableTag<std::int32_t>(), begin, end, [&](auto tag, int x, int /*done*/) {
-    const hn::Rebind<std::uint8_t, decltype(tag)> byte;
-    const hn::Repartition<std::uint8_t, decltype(tag)> channels;
-    const auto low = hn::Set(tag, 255);
-    auto arms = hn::BitCast(tag, hn::LoadU(channels, row.arms + 4 * (row.first_column + x)));
-    arms = row.vertical ? hn::ShiftRight<16>(arms) : arms;
-    hn::StoreU(hn::DemoteTo(byte, hn::And(arms, low)), byte, planes[0] + x);
-    hn::StoreU(hn::DemoteTo(byte, hn::And(hn::ShiftRight<8>(arms), low)), byte, planes[1] + x);
-  });
-}
-
-/// Every arm of a plane with the one that lies `step` further.
-void pairArms(const std::uint8_t* plane, int columns, int step, std::uint8_t* pairs) {
-  forLanes(hn::ScalableTag<std::uint8_t>(), std::max(-step, 0), columns - std::max(step, 0),
+/// Pairs of the horizontal arms of pixels and of those `step` further.
+void pairArms(const std::uint32_t* arms, int columns, int step,
+              const std::array<std::uint16_t*, 2>& pairs) {
+  forLanes(hn::ScalableTag<std::uint32_t>(), std::max(-step, 0), columns - std::max(step, 0),
            [&](auto tag, int x, int /*done*/) {
-             hn::StoreInterleaved2(hn::LoadU(tag, plane + x), hn::LoadU(tag, plane + x + step), tag,
-                                   pairs + 2 * x);
+             const hn::Rebind<std::uint16_t, decltype(tag)> narrow;
+             const auto low = hn::Set(tag, 255);
+             const auto first = hn::LoadU(tag, arms + x);
+             const auto second = hn::LoadU(tag, arms + x + step);
+             const auto left = hn::Or(hn::And(first, low), hn::ShiftLeft<8>(hn::And(second, low)));
+             const auto right =
+                 hn::Or(hn::And(hn::ShiftRight<8>(first), low), hn::AndNot(low, second));
+             hn::StoreU(hn::TruncateTo(narrow, left), narrow, pairs[0] + x);
+             hn::StoreU(hn::TruncateTo(narrow, right), narrow, pairs[1] + x);
            });
 }
 
-/// Bytes to lanes of any width.
-template <class Tag, class Bytes>
-HWY_INLINE hn::Vec<Tag> widen(Tag tag, Bytes bytes) {
-  if constexpr (sizeof(hn::TFromD<Tag>) == 8) {
-    return hn::PromoteTo(tag, hn::PromoteTo(hn::Rebind<std::int32_t, Tag>(), bytes));
+/// Numbers to signed lanes of any width, or of the same one.
+template <class Tag, class Numbers>
+HWY_INLINE hn::Vec<Tag> widen(Tag tag, Numbers numbers) {
+  if constexpr (sizeof(hn::TFromD<Tag>) == sizeof(hn::TFromV<Numbers>)) {
+    return hn::BitCast(tag, numbers);
   } else {
-    return hn::PromoteTo(tag, bytes);
+    return hn::BitCast(tag, hn::PromoteTo(hn::RebindToUnsigned<Tag>(), numbers));
   }
 }
 
@@ -89,24 +79,29 @@ HWY_INLINE hn::Vec<Tag> addWhere(Tag /*tag*/, hn::Mask<Tag> mask, hn::Vec<Tag> s
 #endif
 }
 
-/// Largest of `count` bytes, 16 or 32.
-HWY_INLINE int largest(const std::uint8_t* first, const std::uint8_t* second, int count) {
-  const TileTag<std::uint8_t> tag;
-  auto values = hn::Zero(tag);
-  for (int i = 0; i < count; i += kTileColumns) {
-    values = hn::Max(values, hn::Max(hn::LoadU(tag, first + i), hn::LoadU(tag, second + i)));
+/// Up to so many hypotheses of a tile, its longest arm isn't worth a search: the branches that
+/// depend on it are dearer than arms of the largest length.
+constexpr int kFewHypotheses = 20;
+
+/// The longest arm of a tile with `count` hypotheses, or `longest`. arm(x) is the longer one of the
+/// two of a pixel.
+template <typename Arm>
+HWY_INLINE int longestArm(int count, int longest, const Arm& arm) {
+  if (count <= kFewHypotheses) {
+    return longest;
   }
-  values = hn::Max(values, hn::ShiftRightBytes<8>(tag, values));
-  values = hn::Max(values, hn::ShiftRightBytes<4>(tag, values));
-  values = hn::Max(values, hn::ShiftRightBytes<2>(tag, values));
-  values = hn::Max(values, hn::ShiftRightBytes<1>(tag, values));
-  return hn::GetLane(values);
+  unsigned found = 0;
+  for (int x = 0; x < kTileColumns; ++x) {
+    found = std::max(found, arm(x));
+  }
+  return static_cast<int>(found);
 }
 
-/// Calls f(length), with usual lengths of arms as constants, so that its loops are unrolled.
-template <typename F>
+/// Calls f(length), if asked to with usual lengths of arms as constants, so that its loops are
+/// unrolled.
+template <bool kUnroll, typename F>
 HWY_INLINE void withConstant(int length, const F& f) {
-  switch (length) {
+  switch (kUnroll ? length : -1) {
     case 0:
       return f(std::integral_constant<int, 0>());
     case 1:
@@ -124,25 +119,27 @@ HWY_INLINE void withConstant(int length, const F& f) {
   }
 }
 
-/// Hypotheses of a tile at an even index and the next one, one of which may be missing.
+/// Hypotheses of a tile at the indices 2 number and 2 number + 1, one of which may be missing.
 struct Pair {
-  int index;  ///< the even one
+  int number;
   bool has_even;
   bool has_odd;
   int first;  ///< in the list
   int last;
 };
 
-/// Calls f(pair) for every pair of a list.
+/// Calls f(pair) for every pair of a list. Branches, so that the next pair need not be waited for.
 template <typename F>
 HWY_INLINE void forPairs(const SearchSpace::Tile& list, int first_index, const F& f) {
-  for (int j = 0; j < list.count;) {
-    const int index = list.indices[j] - first_index;
-    const int next = list.indices[std::min(j + 1, list.count - 1)] - first_index;
+  const std::int16_t* indices = list.indices;
+  const int count = list.count;
+  for (int j = 0; j < count;) {
+    const int index = indices[j] - first_index;
     const bool odd = (index & 1) != 0;
-    const int both = !odd & (next == index + 1) ? 1 : 0;
-    f(Pair{index - (odd ? 1 : 0), !odd, odd || both, j, j + both});
-    j += 1 + both;
+    const bool both = !odd && j + 1 < count && indices[j + 1] == indices[j] + 1;
+    const int last = both ? j + 1 : j;
+    f(Pair{index >> 1, !odd, odd || both, j, last});
+    j = last + 1;
   }
 }
 
@@ -155,15 +152,14 @@ HWY_INLINE void layCosts(const BlockRowToSum<Cost, Lane, Sum>& row) {
   const auto lanes = static_cast<int>(hn::Lanes(tag));
   const BlockShape& shape = row.shape;
   const int tiles = shape.tilesWithMargins();
-  std::fill_n(row.present, 2 * tiles * shape.pairs(), std::uint8_t{0});
+  std::fill_n(row.present, tiles * shape.pairs(), std::uint16_t{0});
   for (int t = 0; t < tiles; ++t) {
-    const Cost* costs = row.costs + row.lists[t].first_entry * kTileColumns;
-    std::uint8_t* present = row.present + 2 * t * shape.pairs();
-    Sum* line = row.line + t * kTileColumns;
-    forPairs(row.lists[t], shape.first_index, [&](const Pair& pair) {
-      present[pair.index] = pair.has_even ? 255 : 0;
-      present[pair.index + 1] = pair.has_odd ? 255 : 0;
-      Sum* out = line + pair.index / 2 * tiles * kTileColumns;
+    const SearchSpace::Tile& list = row.lists[t];
+    const Cost* costs = row.costs + list.first_entry * kTileColumns;
+    forPairs(list, shape.first_index, [&](const Pair& pair) {
+      row.present[t * shape.pairs() + pair.number] =
+          static_cast<std::uint16_t>((pair.has_even ? 0xff : 0) | (pair.has_odd ? 0xff00 : 0));
+      Sum* out = row.line + (pair.number * tiles + t) * kTileColumns;
       for (int x = 0; x < kTileColumns; x += lanes) {
         const auto load = [&](int j) {
           return hn::PromoteTo(tag, loadWidened(narrow, costs + j * kTileColumns + x));
@@ -174,24 +170,26 @@ HWY_INLINE void layCosts(const BlockRowToSum<Cost, Lane, Sum>& row) {
     });
     if (t < shape.margin || t >= tiles - shape.margin) {  // sumTile fetches the others
       const Cost* next = row.costs + row.next_lists[t].first_entry * kTileColumns;
-      for (int j = 0; j < row.lists[t].count; j += 2) {
+      for (int j = 0; j < list.count; j += 2) {
         hwy::Prefetch(next + j * kTileColumns);
       }
     }
   }
 }
 
-/// Number of columns, at most 255, that have the hypothesis without a gap from the far end of each
-/// tile to the left, or to the right.
+/// Number of columns, at most 255, that have the hypothesis without a gap from the near end of each
+/// tile on, to the left and to the right.
 template <typename Cost, typename Lane, typename Sum>
 HWY_INLINE void measureReach(const BlockRowToSum<Cost, Lane, Sum>& row) {
   const int tiles = row.shape.tilesWithMargins();
   const int count = 2 * row.shape.pairs();
-  const auto measure = [&](int t, int farther, std::uint8_t* reach) {
+  const auto* present = reinterpret_cast<const std::uint8_t*>(row.present);
+  const auto measure = [&](int t, int farther, std::uint16_t* pairs) {
+    auto* reach = reinterpret_cast<std::uint8_t*>(pairs);
     const bool ends = farther < 0 || farther == tiles;
     for (int i = 0; i < count; ++i) {
       const int beyond = ends ? 0 : reach[farther * count + i];
-      const int columns = row.present[t * count + i] != 0 ? beyond + kTileColumns : 0;
+      const int columns = present[t * count + i] != 0 ? beyond + kTileColumns : 0;
       reach[t * count + i] = static_cast<std::uint8_t>(std::min(columns, 255));
     }
   };
@@ -201,14 +199,31 @@ HWY_INLINE void measureReach(const BlockRowToSum<Cost, Lane, Sum>& row) {
   }
 }
 
-/// The longest arms that the neighbouring tiles' `reach` allows: that far beyond the tile, from
-/// its end `columns` away.
+/// Combined horizontal arms of a pair; so many `columns` lie between the pixel and the end of its
+/// tile, and `reach` beyond it.
 template <class Bytes>
-HWY_INLINE hn::Vec<Bytes> limit(Bytes bytes, hn::Vec<Bytes> columns, const std::uint8_t* reach) {
-  std::uint16_t pair;
-  std::memcpy(&pair, reach, 2);
-  const hn::Repartition<std::uint16_t, Bytes> pairs;
-  return hn::SaturatedAdd(columns, hn::BitCast(bytes, hn::Set(pairs, pair)));
+HWY_INLINE hn::Vec<Bytes> combinedArms(Bytes bytes, hn::Vec<Bytes> reference,
+                                       const std::uint16_t* other, hn::Vec<Bytes> columns,
+                                       std::uint16_t reach) {
+  const hn::Repartition<std::uint16_t, Bytes> pair;
+  const auto arms = hn::Min(reference, hn::BitCast(bytes, hn::LoadU(pair, other)));
+  return hn::Min(arms, hn::SaturatedAdd(columns, hn::BitCast(bytes, hn::Set(pair, reach))));
+}
+
+/// Stores the sums of pairs, as sums of `Lane` on the left and on the right arm and as numbers of
+/// pixels.
+template <typename Lane, class Tag>
+HWY_INLINE void storePair(Tag tag, hn::Vec<Tag> left, hn::Vec<Tag> right, hn::Vec<Tag> pixels,
+                          hn::TFromD<Tag>* even, hn::TFromD<Tag>* odd) {
+  constexpr int kShift = kPixelsShift<hn::TFromD<Tag>>;
+  constexpr int kLaneBits = 8 * sizeof(Lane);
+  const auto low = hn::Set(tag, static_cast<Lane>(-1));
+  const auto even_sum = hn::Add(hn::And(left, low), hn::And(right, low));
+  const auto odd_sum = hn::Add(hn::ShiftRight<kLaneBits>(left), hn::ShiftRight<kLaneBits>(right));
+  const auto odd_pixels = hn::ShiftLeft<kShift>(hn::ShiftRight<kLaneBits>(pixels));
+  const auto even_pixels = hn::ShiftLeft<kShift>(pixels);  // without the odd ones
+  hn::Store(hn::Add(even_sum, even_pixels), tag, even);
+  hn::Store(hn::Add(odd_sum, odd_pixels), tag, odd);
 }
 
 template <typename Cost, typename Lane, typename Sum, typename Length>
@@ -217,35 +232,29 @@ HWY_INLINE void sumTile(const BlockRowToSum<Cost, Lane, Sum>& row, int t, int fi
   const TileTag<Sum> tag;
   const hn::Repartition<Lane, decltype(tag)> lane;
   const hn::RebindToSigned<decltype(lane)> arm_tag;
-  const hn::Rebind<std::uint8_t, decltype(lane)> byte;
-  constexpr int kLaneBits = 8 * sizeof(Lane);
-  const auto low = hn::Set(tag, static_cast<Lane>(-1));
+  const hn::Rebind<std::uint8_t, decltype(lane)> bytes;
+  const hn::Repartition<std::uint16_t, decltype(bytes)> pair_tag;
 
   const BlockShape& shape = row.shape;
   const int x = t * kTileColumns + first_lane;
-  const auto left_reference = hn::LoadU(byte, row.arms.reference[0] + 2 * x);
-  const auto right_reference = hn::LoadU(byte, row.arms.reference[1] + 2 * x);
-  const auto columns_left =
-      hn::ShiftRight<1>(hn::Iota(byte, static_cast<std::uint8_t>(2 * first_lane)));
-  const auto columns_right = hn::Sub(hn::Set(byte, kTileColumns - 1), columns_left);
+  const int tile = t + shape.margin;
+  const auto left_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[0] + x));
+  const auto right_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[1] + x));
+  const auto first_column = static_cast<std::uint8_t>(2 * first_lane);
+  const auto columns_left = hn::ShiftRight<1>(hn::Iota(bytes, first_column));
+  const auto columns_right = hn::Sub(hn::Set(bytes, kTileColumns - 1), columns_left);
+  const std::uint16_t* left_reach = row.left_reach + (tile - 1) * shape.pairs();
+  const std::uint16_t* right_reach = row.right_reach + (tile + 1) * shape.pairs();
+  const Cost* next = row.costs + row.next_lists[tile].first_entry * kTileColumns;
   const int pitch = shape.tilesWithMargins() * kTileColumns;
-  const int count = 2 * shape.pairs();
-  const std::uint8_t* left_reach = row.left_reach + (t + shape.margin - 1) * count;
-  const std::uint8_t* right_reach = row.right_reach + (t + shape.margin + 1) * count;
-  const Sum* line = row.line + shape.margin * kTileColumns + x;
-  Sum* sums = row.sums + t * shape.disparities * kTileColumns + first_lane;
-  const SearchSpace::Tile& list = row.lists[t + shape.margin];
-  const Cost* next = row.costs + row.next_lists[t + shape.margin].first_entry * kTileColumns;
-  forPairs(list, shape.first_index, [&](const Pair& pair) {
+  forPairs(row.lists[tile], shape.first_index, [&](const Pair& pair) {
     hwy::Prefetch(next + pair.first * kTileColumns);
-    const int other = 2 * (x + pair.index * row.arms.other_step);
-    const auto left =
-        widen(arm_tag, hn::Min(hn::Min(left_reference, hn::LoadU(byte, row.arms.other[0] + other)),
-                               limit(byte, columns_left, left_reach + pair.index)));
-    const auto right =
-        widen(arm_tag, hn::Min(hn::Min(right_reference, hn::LoadU(byte, row.arms.other[1] + other)),
-                               limit(byte, columns_right, right_reach + pair.index)));
-    const Sum* costs = line + pair.index / 2 * pitch;
+    const int other = x + 2 * pair.number * row.arms.other_step;
+    const auto left = widen(arm_tag, combinedArms(bytes, left_arms, row.arms.other[0] + other,
+                                                  columns_left, left_reach[pair.number]));
+    const auto right = widen(arm_tag, combinedArms(bytes, right_arms, row.arms.other[1] + other,
+                                                   columns_right, right_reach[pair.number]));
+    const Sum* costs = row.line + pair.number * pitch + tile * kTileColumns + first_lane;
     const auto load = [&](int k) { return hn::BitCast(lane, hn::LoadU(tag, costs + k)); };
     auto left_sum = load(0);
     auto right_sum = hn::Zero(lane);
@@ -253,18 +262,11 @@ HWY_INLINE void sumTile(const BlockRowToSum<Cost, Lane, Sum>& row, int t, int fi
       left_sum = addWhere(lane, reaches(lane, left, k), left_sum, load(-k));
       right_sum = addWhere(lane, reaches(lane, right, k), right_sum, load(k));
     }
-    const auto first = hn::BitCast(tag, left_sum);
-    const auto second = hn::BitCast(tag, right_sum);
-    const auto pixels = hn::BitCast(tag, hn::Add(hn::Add(left, right), hn::Set(arm_tag, 1)));
-    // The number of the odd ones leaves the lane.
-    const auto even = hn::Add(hn::Add(hn::And(first, low), hn::And(second, low)),
-                              hn::ShiftLeft<kPixelsShift<Sum>>(pixels));
-    const auto odd =
-        hn::Add(hn::Add(hn::ShiftRight<kLaneBits>(first), hn::ShiftRight<kLaneBits>(second)),
-                hn::ShiftLeft<kPixelsShift<Sum>>(hn::ShiftRight<kLaneBits>(pixels)));
-    Sum* out = sums + pair.index * kTileColumns;
-    hn::Store(even, tag, pair.has_even ? out : row.unused);
-    hn::Store(odd, tag, pair.has_odd ? out + kTileColumns : row.unused);
+    const auto pixels = hn::Add(hn::Add(left, right), hn::Set(arm_tag, 1));
+    Sum* sums = row.sums + (t * shape.disparities + 2 * pair.number) * kTileColumns + first_lane;
+    storePair<Lane>(tag, hn::BitCast(tag, left_sum), hn::BitCast(tag, right_sum),
+                    hn::BitCast(tag, pixels), pair.has_even ? sums : row.unused,
+                    pair.has_odd ? sums + kTileColumns : row.unused);
   });
 }
 
@@ -293,27 +295,27 @@ void clearRow64(const BlockRowToClear<std::uint64_t>& row) { clearRow(row); }
 
 template <typename Cost, typename Lane, typename Sum>
 HWY_INLINE void sumRow(BlockRowToSum<Cost, Lane, Sum> row) {
-  const auto lanes = static_cast<int>(hn::Lanes(TileTag<Sum>()));
-  const auto sum_tile = [&](int t, auto longest) {
-    for (int first_lane = 0; first_lane < kTileColumns; first_lane += lanes) {
-      sumTile(row, t, first_lane, longest);
-    }
-  };
   layCosts(row);
   if constexpr (sizeof(Lane) == 2) {
     row.left_reach = row.right_reach = row.present;  // arms reach into the next tile at most
   } else {
     measureReach(row);
   }
+  const auto lanes = static_cast<int>(hn::Lanes(TileTag<Sum>()));
   for (int t = 0; t < row.shape.tiles; ++t) {
-    const int x = 2 * t * kTileColumns;
-    const int longest =
-        largest(row.arms.reference[0] + x, row.arms.reference[1] + x, 2 * kTileColumns);
-    if constexpr (sizeof(Lane) == 2) {
-      withConstant(longest, [&](auto constant) { sum_tile(t, constant); });
-    } else {
-      sum_tile(t, longest);
-    }
+    const auto arm = [&](int x) {
+      const auto reference = [&](int direction) {
+        return row.arms.reference[direction][t * kTileColumns + x] & 0xffU;
+      };
+      return std::max(reference(0), reference(1));
+    };
+    const int hypotheses = row.lists[t + row.shape.margin].count;
+    withConstant<sizeof(Lane) == 2>(longestArm(hypotheses, row.longest_arm_px, arm),
+                                    [&](auto longest) {
+                                      for (int x = 0; x < kTileColumns; x += lanes) {
+                                        sumTile(row, t, x, longest);
+                                      }
+                                    });
   }
 }
 
@@ -368,21 +370,19 @@ HWY_INLINE void averageTile(const BlockRowToAverage<Sum>& row, int t, int first_
                             Length longest) {
   const TileTag<Sum> tag;
   const hn::RebindToSigned<decltype(tag)> arm_tag;
-  const hn::Rebind<std::uint8_t, decltype(tag)> byte;
+  const hn::Rebind<std::uint32_t, decltype(tag)> pixel;
+  const hn::Repartition<std::uint8_t, decltype(pixel)> channels;
   const int x = t * kTileColumns + first_lane;
-  const auto up_reference = hn::LoadU(byte, row.arms.reference[0] + x);
-  const auto down_reference = hn::LoadU(byte, row.arms.reference[1] + x);
-  const int first_sum = t * row.shape.disparities * kTileColumns + first_lane;
+  const auto reference = hn::BitCast(channels, hn::LoadU(pixel, row.arms.reference + x));
   const SearchSpace::Tile& list = row.lists[t + row.shape.margin];
   std::uint16_t* means = row.means + list.first_entry * kTileColumns + first_lane;
   for (int j = 0; j < list.count; ++j) {
     const int index = list.indices[j] - row.shape.first_index;
-    const int other = x + index * row.arms.other_step;
-    const auto up =
-        widen(arm_tag, hn::Min(up_reference, hn::LoadU(byte, row.arms.other[0] + other)));
-    const auto down =
-        widen(arm_tag, hn::Min(down_reference, hn::LoadU(byte, row.arms.other[1] + other)));
-    const int place = first_sum + index * kTileColumns;
+    const auto other = hn::LoadU(pixel, row.arms.other + x + index * row.arms.other_step);
+    const auto arms = hn::BitCast(pixel, hn::Min(reference, hn::BitCast(channels, other)));
+    const auto up = widen(arm_tag, hn::And(hn::ShiftRight<16>(arms), hn::Set(pixel, 255)));
+    const auto down = widen(arm_tag, hn::ShiftRight<24>(arms));
+    const int place = (t * row.shape.disparities + index) * kTileColumns + first_lane;
     auto sums = hn::Load(tag, row.rows[0] + place);
     for (int k = 1; k <= longest; ++k) {
       sums = addWhere(tag, reaches(tag, up, k), sums, hn::Load(tag, row.rows[-k] + place));
@@ -395,19 +395,18 @@ HWY_INLINE void averageTile(const BlockRowToAverage<Sum>& row, int t, int first_
 template <typename Sum>
 HWY_INLINE void averageRow(const BlockRowToAverage<Sum> row) {
   const auto lanes = static_cast<int>(hn::Lanes(TileTag<Sum>()));
-  const auto average_tile = [&](int t, auto longest) {
-    for (int first_lane = 0; first_lane < kTileColumns; first_lane += lanes) {
-      averageTile(row, t, first_lane, longest);
-    }
-  };
   for (int t = 0; t < row.shape.tiles; ++t) {
-    const int x = t * kTileColumns;
-    const int longest = largest(row.arms.reference[0] + x, row.arms.reference[1] + x, kTileColumns);
-    if constexpr (sizeof(Sum) == 4) {
-      withConstant(longest, [&](auto constant) { average_tile(t, constant); });
-    } else {
-      average_tile(t, longest);
-    }
+    const auto arm = [&](int x) {
+      const std::uint32_t arms = row.arms.reference[t * kTileColumns + x];
+      return std::max(arms >> 16 & 0xffU, arms >> 24);
+    };
+    const int hypotheses = row.lists[t + row.shape.margin].count;
+    withConstant<sizeof(Sum) == 4>(longestArm(hypotheses, row.longest_arm_px, arm),
+                                   [&](auto longest) {
+                                     for (int x = 0; x < kTileColumns; x += lanes) {
+                                       averageTile(row, t, x, longest);
+                                     }
+                                   });
   }
 }
 
@@ -423,7 +422,6 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(splitArms);
 HWY_EXPORT(pairArms);
 HWY_EXPORT(sumRowOfBytes32);
 HWY_EXPORT(sumRowOfBytes64);
@@ -463,44 +461,47 @@ bool fit16Bits(int longest_arm_px, int max_cost) {
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-/// So much may be read behind the arms of a row.
-constexpr int kReadableArms = 64;
-
-/// Arms of a row of an image in two opposite directions, one by one or in pairs. No arms outside of
-/// the image: the region of a hypothesis whose match lies there is itself, a copy.
-class ArmLines {
+/// Arms of a row of an image, of columns inside of it and outside, where there are none: the region
+/// of a hypothesis whose match lies there is itself, a copy.
+class ArmLine {
  public:
   void resize(int columns) {
-    for (int direction = 0; direction < 2; ++direction) {
-      single_[direction].resize(columns + kReadableArms);
-      pairs_[direction].resize(2 * columns + kReadableArms);
+    const std::size_t size = columns + kReadableBytesBeyond / sizeof(std::uint32_t);
+    arms_.resize(size);
+    for (std::vector<std::uint16_t>& pairs : pairs_) {
+      pairs.resize(size);
     }
   }
 
-  void split(const ArmRow& row) {
-    HWY_DYNAMIC_DISPATCH(splitArms)(row, {single_[0].data(), single_[1].data()});
-  }
-
-  /// Beside every arm the one `step` further.
-  void splitToPairs(const ArmRow& row, int step) {
-    split(row);
-    for (int direction = 0; direction < 2; ++direction) {
-      HWY_DYNAMIC_DISPATCH(pairArms)
-      (single_[direction].data(), row.columns, step, pairs_[direction].data());
+  /// Takes `columns` from column `first` on.
+  void assign(const cv::Mat& arms, int y, int first, int columns) {
+    const int begin = std::clamp(-first, 0, columns);
+    const int end = std::clamp(arms.cols - first, begin, columns);
+    std::fill_n(arms_.begin(), begin, 0U);
+    if (begin < end) {
+      std::memcpy(arms_.data() + begin, arms.ptr<cv::Vec4b>(y) + first + begin,
+                  (end - begin) * sizeof(std::uint32_t));
     }
+    std::fill(arms_.begin() + end, arms_.begin() + columns, 0U);
+    columns_ = columns;
   }
 
-  /// From column `x` of those that were asked for on.
-  std::array<const std::uint8_t*, 2> single(int x) const {
-    return {single_[0].data() + x, single_[1].data() + x};
+  /// Makes the pairs with the columns `step` further.
+  void pair(int step) {
+    HWY_DYNAMIC_DISPATCH(pairArms)
+    (arms_.data(), columns_, step, {pairs_[0].data(), pairs_[1].data()});
   }
-  std::array<const std::uint8_t*, 2> pairs(int x) const {
-    return {pairs_[0].data() + 2 * x, pairs_[1].data() + 2 * x};
+
+  /// From the column `place` on, of those that were taken.
+  const std::uint32_t* arms(int place) const { return arms_.data() + place; }
+  std::array<const std::uint16_t*, 2> pairs(int place) const {
+    return {pairs_[0].data() + place, pairs_[1].data() + place};
   }
 
  private:
-  std::array<std::vector<std::uint8_t>, 2> single_;
-  std::array<std::vector<std::uint8_t>, 2> pairs_;
+  int columns_ = 0;
+  std::vector<std::uint32_t> arms_;  ///< four channels
+  std::array<std::vector<std::uint16_t>, 2> pairs_;
 };
 
 template <typename Cost>
@@ -527,7 +528,7 @@ struct BlockMemory {
     lists.resize(tiles * (rows + 2));
     line.resize((tiles * kTileColumns) * shape.pairs());
     for (auto* table : {&present, &left_reach, &right_reach}) {
-      table->resize(tiles * 2 * shape.pairs());
+      table->resize(tiles * shape.pairs());
     }
     reference_arms.resize(columns);
     other_arms.resize(columns + 2 * shape.pairs());
@@ -539,12 +540,12 @@ struct BlockMemory {
   std::vector<const Sum*> around;
   std::vector<SearchSpace::Tile> lists;
   std::vector<Sum, CacheLineAllocator<Sum>> line;
-  std::vector<std::uint8_t> present;
-  std::vector<std::uint8_t> left_reach;
-  std::vector<std::uint8_t> right_reach;
+  std::vector<std::uint16_t> present;
+  std::vector<std::uint16_t> left_reach;
+  std::vector<std::uint16_t> right_reach;
   alignas(64) std::array<Sum, kTileColumns> unused;
-  ArmLines reference_arms;
-  ArmLines other_arms;
+  ArmLine reference_arms;
+  ArmLine other_arms;
 };
 
 /// Aggregates a block from top to bottom, first along the rows, then along the columns.
@@ -603,29 +604,31 @@ class BlockAggregator {
     return list;
   }
 
-  /// Splits arms of row y; in pairs if they are horizontal.
-  BlockArms arms(int y, bool vertical) {
+  int step() const { return inputs_.view == View::kLeft ? -1 : 1; }
+
+  /// Takes the arms of row y; where those of the other image start.
+  int takeArms(int y) {
     const int x = first_tile_ * kTileColumns;
     const int columns = shape_.tiles * kTileColumns;
-    const int width = inputs_.space.width();
-    const ArmRow reference{inputs_.arms.reference.template ptr<std::uint8_t>(y), width, vertical, x,
-                           columns};
-    // Columns x … x + columns − 1 at all disparities, and one more to make them even.
-    const int disparities = 2 * shape_.pairs();
-    const int step = inputs_.view == View::kLeft ? -1 : 1;
-    const int origin = step < 0 ? disparities - 1 : 0;
-    const int match =
-        matchingColumn(inputs_.view, x, inputs_.space.range().min + shape_.first_index);
-    const ArmRow other{inputs_.arms.other.template ptr<std::uint8_t>(y), width, vertical,
-                       match - origin, columns + disparities - 1};
-    if (vertical) {
-      memory_.reference_arms.split(reference);
-      memory_.other_arms.split(other);
-      return {memory_.reference_arms.single(0), memory_.other_arms.single(origin), step};
-    }
-    memory_.reference_arms.splitToPairs(reference, 0);
-    memory_.other_arms.splitToPairs(other, step);
-    return {memory_.reference_arms.pairs(0), memory_.other_arms.pairs(origin), step};
+    memory_.reference_arms.assign(inputs_.arms.reference, y, x, columns);
+    const int first_disparity = inputs_.space.range().min + shape_.first_index;
+    const int origin = step() < 0 ? 2 * shape_.pairs() - 1 : 0;
+    memory_.other_arms.assign(inputs_.arms.other, y,
+                              matchingColumn(inputs_.view, x, first_disparity) - origin,
+                              columns + 2 * shape_.pairs() - 1);
+    return origin;
+  }
+
+  HorizontalArms horizontalArms(int y) {
+    const int origin = takeArms(y);
+    memory_.reference_arms.pair(0);
+    memory_.other_arms.pair(step());
+    return {memory_.reference_arms.pairs(0), memory_.other_arms.pairs(origin), step()};
+  }
+
+  VerticalArms verticalArms(int y) {
+    const int origin = takeArms(y);
+    return {memory_.reference_arms.arms(0), memory_.other_arms.arms(origin), step()};
   }
 
   void clearRow(int y, const SearchSpace::Tile* replacing) {
@@ -639,9 +642,9 @@ class BlockAggregator {
     const int next = std::min(y + 1, inputs_.space.height() - 1);
     findLists(next);
     cbmv::sumRow(BlockRowToSum<Cost, Lane, Sum>{
-        shape_, lists(y), lists(next), inputs_.costs.entry(0), arms(y, false), sums(y),
-        memory_.line.data(), memory_.present.data(), memory_.left_reach.data(),
-        memory_.right_reach.data(), memory_.unused.data()});
+        shape_, lists(y), lists(next), inputs_.costs.entry(0), horizontalArms(y),
+        inputs_.arms.longest_px, sums(y), memory_.line.data(), memory_.present.data(),
+        memory_.left_reach.data(), memory_.right_reach.data(), memory_.unused.data()});
   }
 
   void averageRow(int y, WindowedOptimizedVolume& aggregated) {
@@ -650,7 +653,8 @@ class BlockAggregator {
       memory_.around[k] = sums(y + k + memory_.rows - reach);
     }
     cbmv::averageRow(BlockRowToAverage<Sum>{shape_, lists(y), memory_.around.data() + reach,
-                                            arms(y, true), aggregated.entry(0)});
+                                            verticalArms(y), inputs_.arms.longest_px,
+                                            aggregated.entry(0)});
   }
 
   const Inputs<Cost>& inputs_;

@@ -24,23 +24,19 @@ struct BlockShape {
   int pairs() const { return (disparities + 1) / 2; }
 };
 
-/// Arms of an image row in two opposite directions, of which some columns are wanted, inside the
-/// image or not.
-struct ArmRow {
-  const std::uint8_t* arms;  ///< of column 0, four channels per pixel
-  int image_width;
-  bool vertical;  ///< up and down instead of left and right
-  int first_column;
-  int columns;
+/// Left and right arms of a row of a block. The combined arm of column x of the block at index i is
+/// the shorter of reference[·][x] and other[·][x + i * other_step]. Each element is a pair: the
+/// lower byte belongs to the index, the upper one to the next index.
+struct HorizontalArms {
+  std::array<const std::uint16_t*, 2> reference;
+  std::array<const std::uint16_t*, 2> other;
+  int other_step;
 };
 
-/// Arms of a row of a block in two opposite directions. The combined arm of column x of the block
-/// at index i is the shorter of reference[·][x] and other[·][x + i * other_step]. Horizontal arms
-/// are in pairs: elements 2x and 2x + 1 of reference[·] are both the arm of x, element 2(x + i *
-/// other_step) + 1 of other[·] is the one that belongs to i + 1.
-struct BlockArms {
-  std::array<const std::uint8_t*, 2> reference;
-  std::array<const std::uint8_t*, 2> other;
+/// The same of up and down arms, which are the two upper bytes of an element.
+struct VerticalArms {
+  const std::uint32_t* reference;
+  const std::uint32_t* other;
   int other_step;
 };
 
@@ -53,15 +49,16 @@ struct BlockRowToSum {
   const SearchSpace::Tile* lists;
   const SearchSpace::Tile* next_lists;  ///< of the row that will come next
   const Cost* costs;                    ///< of entry 0
-  BlockArms arms;                       ///< left, right
-  Sum* sums;                            ///< [tile][index][column of the tile]
+  HorizontalArms arms;
+  int longest_arm_px;
+  Sum* sums;  ///< [tile][index][column of the tile]
 
   // Scratch, with the margins.
-  Sum* line;                  ///< [pair of disparities][column]: pairs of costs
-  std::uint8_t* present;      ///< [tile][pair of disparities][2]
-  std::uint8_t* left_reach;   ///< the same
-  std::uint8_t* right_reach;  ///< the same
-  Sum* unused;                ///< a tile
+  Sum* line;                   ///< [pair][column]: pairs of costs
+  std::uint16_t* present;      ///< [tile][pair]: a byte for each, 255 if it is in the list, or 0
+  std::uint16_t* left_reach;   ///< [tile][pair]
+  std::uint16_t* right_reach;  ///< the same
+  Sum* unused;                 ///< a tile
 };
 
 /// Means over the regions of a row of a block, to be computed. rows[k] are the sums of the row k
@@ -71,7 +68,8 @@ struct BlockRowToAverage {
   const BlockShape& shape;
   const SearchSpace::Tile* lists;
   const Sum* const* rows;
-  BlockArms arms;        ///< up, down
+  VerticalArms arms;
+  int longest_arm_px;
   std::uint16_t* means;  ///< of entry 0
 };
 
