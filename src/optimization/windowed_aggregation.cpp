@@ -79,24 +79,6 @@ HWY_INLINE hn::Vec<Tag> addWhere(Tag /*tag*/, hn::Mask<Tag> mask, hn::Vec<Tag> s
 #endif
 }
 
-/// Up to so many hypotheses of a tile, its longest arm isn't worth a search: the branches that
-/// depend on it are dearer than arms of the largest length.
-constexpr int kFewHypotheses = 20;
-
-/// The longest arm of a tile with `count` hypotheses, or `longest`. arm(x) is the longer one of the
-/// two of a pixel.
-template <typename Arm>
-HWY_INLINE int longestArm(int count, int longest, const Arm& arm) {
-  if (count <= kFewHypotheses) {
-    return longest;
-  }
-  unsigned found = 0;
-  for (int x = 0; x < kTileColumns; ++x) {
-    found = std::max(found, arm(x));
-  }
-  return static_cast<int>(found);
-}
-
 /// Calls f(length), if asked to with usual lengths of arms as constants, so that its loops are
 /// unrolled.
 template <bool kUnroll, typename F>
@@ -116,6 +98,24 @@ HWY_INLINE void withConstant(int length, const F& f) {
       return f(std::integral_constant<int, 5>());
     default:
       return f(length);
+  }
+}
+
+/// Calls f(first lane, longest arm) for vectors that cover the columns of a tile with `hypotheses`.
+/// arm(x) is the longer one of the two of column x of the tile, at most `longest`.
+template <class Tag, typename Arm, typename F>
+HWY_INLINE void forColumns(Tag /*tag*/, int hypotheses, int longest, const Arm& arm, const F& f) {
+  constexpr bool kUnroll = sizeof(hn::TFromD<Tag>) == 4;
+  const auto lanes = static_cast<int>(hn::Lanes(Tag()));
+  for (int first_lane = 0; first_lane < kTileColumns; first_lane += lanes) {
+    unsigned found = 0;
+    for (int x = first_lane; x < first_lane + lanes; ++x) {
+      found = std::max(found, arm(x));
+    }
+    // With few hypotheses, branches that depend on the arms cost more than long arms.
+    constexpr int kFew = 20;
+    withConstant<kUnroll>(hypotheses <= kFew ? longest : static_cast<int>(found),
+                          [&](auto length) { f(first_lane, length); });
   }
 }
 
@@ -301,7 +301,6 @@ HWY_INLINE void sumRow(BlockRowToSum<Cost, Lane, Sum> row) {
   } else {
     measureReach(row);
   }
-  const auto lanes = static_cast<int>(hn::Lanes(TileTag<Sum>()));
   for (int t = 0; t < row.shape.tiles; ++t) {
     const auto arm = [&](int x) {
       const auto reference = [&](int direction) {
@@ -310,12 +309,8 @@ HWY_INLINE void sumRow(BlockRowToSum<Cost, Lane, Sum> row) {
       return std::max(reference(0), reference(1));
     };
     const int hypotheses = row.lists[t + row.shape.margin].count;
-    withConstant<sizeof(Lane) == 2>(longestArm(hypotheses, row.longest_arm_px, arm),
-                                    [&](auto longest) {
-                                      for (int x = 0; x < kTileColumns; x += lanes) {
-                                        sumTile(row, t, x, longest);
-                                      }
-                                    });
+    forColumns(TileTag<Sum>(), hypotheses, row.longest_arm_px, arm,
+               [&](int first_lane, auto longest) { sumTile(row, t, first_lane, longest); });
   }
 }
 
@@ -361,7 +356,8 @@ HWY_INLINE void storeMeans(TileTag<std::uint64_t> tag, hn::Vec<TileTag<std::uint
   for (int i = 0; i < static_cast<int>(hn::Lanes(tag)); ++i) {
     const auto pixels = static_cast<std::uint32_t>(lanes[i] >> kShift);
     const std::uint64_t sum = lanes[i] & ((std::uint64_t{1} << kShift) - 1);
-    means[i] = static_cast<std::uint16_t>(static_cast<double>(sum + pixels / 2) / pixels);
+    const std::uint32_t half = pixels / 2;
+    means[i] = static_cast<std::uint16_t>(static_cast<double>(sum + half) / pixels);
   }
 }
 
@@ -394,19 +390,14 @@ HWY_INLINE void averageTile(const BlockRowToAverage<Sum>& row, int t, int first_
 
 template <typename Sum>
 HWY_INLINE void averageRow(const BlockRowToAverage<Sum> row) {
-  const auto lanes = static_cast<int>(hn::Lanes(TileTag<Sum>()));
   for (int t = 0; t < row.shape.tiles; ++t) {
     const auto arm = [&](int x) {
       const std::uint32_t arms = row.arms.reference[t * kTileColumns + x];
       return std::max(arms >> 16 & 0xffU, arms >> 24);
     };
     const int hypotheses = row.lists[t + row.shape.margin].count;
-    withConstant<sizeof(Sum) == 4>(longestArm(hypotheses, row.longest_arm_px, arm),
-                                   [&](auto longest) {
-                                     for (int x = 0; x < kTileColumns; x += lanes) {
-                                       averageTile(row, t, x, longest);
-                                     }
-                                   });
+    forColumns(TileTag<Sum>(), hypotheses, row.longest_arm_px, arm,
+               [&](int first_lane, auto longest) { averageTile(row, t, first_lane, longest); });
   }
 }
 
@@ -479,7 +470,7 @@ class ArmLine {
     const int end = std::clamp(arms.cols - first, begin, columns);
     std::fill_n(arms_.begin(), begin, 0U);
     if (begin < end) {
-      std::memcpy(arms_.data() + begin, arms.ptr<cv::Vec4b>(y) + first + begin,
+      std::memcpy(arms_.data() + begin, arms.ptr<std::uint8_t>(y) + 4 * (first + begin),
                   (end - begin) * sizeof(std::uint32_t));
     }
     std::fill(arms_.begin() + end, arms_.begin() + columns, 0U);
