@@ -60,29 +60,75 @@ struct PenaltyLanes {
   }
 };
 
-/// The path costs of some lanes of a pixel, which hold matching costs and edges. `edge`: 1 if the
-/// reference image has one, else 0.
-HWY_INLINE V extendLanes(const PenaltyLanes& penalties, int edge, const std::uint16_t* lanes,
-                         V along, V beside, V lowest) {
+/// The path costs of some lanes of a pixel, which hold matching costs and edges. `blocked`:
+/// kNoHypothesis in lanes without a hypothesis, else 0. `edge`: 1 if the reference image has one,
+/// else 0.
+HWY_INLINE V extendLanes(const PenaltyLanes& penalties, int edge, V values, V blocked, V along,
+                         V beside, V lowest) {
   const Tag tag;
   const auto edge_bit = hn::Set(tag, kEdgeBit);
-  const auto values = hn::Load(tag, lanes);
   const auto edges = hn::TestBit(values, edge_bit);
   const auto p1 = hn::IfThenElse(edges, hn::Load(tag, penalties.p1[edge + 1]),
                                  hn::Load(tag, penalties.p1[edge]));
   const auto p2 = hn::IfThenElse(edges, hn::Load(tag, penalties.p2[edge + 1]),
                                  hn::Load(tag, penalties.p2[edge]));
-  return pathCosts(hn::AndNot(edge_bit, values), along, beside, lowest, p1, p2);
+  const auto matching = hn::Or(hn::AndNot(edge_bit, values), blocked);
+  return pathCosts(matching, along, beside, lowest, p1, p2);
+}
+
+/// Costs of `count` entries, with the edges of the other image, which start `slope` apart.
+template <typename Cost>
+HWY_INLINE void packEntries(const Cost* costs, const std::int8_t* edges, std::ptrdiff_t slope,
+                            int count, std::uint16_t* out) {
+  const ColumnTag tag;
+  const hn::RebindToSigned<ColumnTag> signed_tag;
+  const hn::Rebind<std::int8_t, ColumnTag> edge_tag;
+  const auto edge_bit = hn::Set(tag, kEdgeBit);
+  for (int i = 0; i < count; ++i) {
+    for (int column = 0; column < kTileColumns; column += static_cast<int>(hn::Lanes(tag))) {
+      const auto edge = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + column));
+      const auto cost = loadWidened(tag, costs + column);
+      hn::Store(hn::Or(cost, hn::And(hn::BitCast(tag, edge), edge_bit)), tag, out + column);
+    }
+    costs += kTileColumns;
+    edges += slope;
+    out += kTileColumns;
+  }
+}
+
+/// Sets sums, or adds to them.
+template <bool kAdd>
+HWY_INLINE void sumUp(const std::uint16_t* costs, int count, std::uint16_t* sums) {
+  const ColumnTag tag;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+    const auto cost = hn::Load(tag, costs + i);
+    hn::Store(kAdd ? hn::Add(hn::Load(tag, sums + i), cost) : cost, tag, sums + i);
+  }
+}
+
+/// `count` values, rounded up to whole vectors.
+HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) {
+  const Tag tag;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+    hn::StoreU(hn::Set(tag, value), tag, out + i);
+  }
 }
 
 /// A path along a row, in one of both directions.
 template <typename Cost>
 class RowPath {
  public:
-  RowPath(const RowJob<Cost>& job, const PenaltyLanes& penalties, int direction, RowBuffer& buffer)
-      : job_(job), penalties_(penalties), direction_(direction), buffer_(buffer) {}
+  RowPath(const RowJob<Cost>& job, const PenaltyLanes& penalties, int direction,
+          const RowMemory& memory)
+      : job_(job),
+        penalties_(penalties),
+        direction_(direction),
+        stride_(direction * memory.stride),
+        row_(job.setup.steps.row(job.y)),
+        memory_(memory),
+        first_pixel_(memory.pixels) {}
 
-  /// Lays out a tile, which starts at the column `x`, and extends the path by its first pixel.
+  /// Lays out a tile and extends the path by its first pixel.
   HWY_INLINE void enter(int t) {
     const SearchSpace& space = *job_.setup.space;
     tile_ = space.tile(job_.y, t);
@@ -90,11 +136,14 @@ class RowPath {
     if (columns_ == 0) {
       return;
     }
-    first_column_ = direction_ > 0 ? 0 : columns_ - 1;
-    steps_ = job_.setup.steps.row(job_.y).from(t * kTileColumns + (direction_ > 0 ? 0 : 1));
+    const int first_column = direction_ > 0 ? 0 : columns_ - 1;
+    const PathSteps steps = row_.from(t * kTileColumns + (direction_ > 0 ? 0 : 1));
+    first_pixel_ = memory_.pixels + first_column * memory_.stride;
+    first_edge_ = steps.reference_edges + first_column;
+    first_rise_ = steps.rises + first_column;
     findRuns();
-    fillEntries();
-    fillPixels();
+    block();
+    fillPixels(steps);
     takePrevious(rise(0));
     extendFirst();
   }
@@ -109,16 +158,18 @@ class RowPath {
   HWY_INLINE V lowest() const { return hn::Set(Tag(), lowest_); }
   HWY_INLINE void setLowest(V lowest) { lowest_ = hn::GetLane(lowest); }
   HWY_INLINE V firstCosts() const { return hn::Load(Tag(), pixel(0)); }
+  HWY_INLINE V blockedLanes() const { return hn::Load(Tag(), memory_.blocked); }
 
   /// Extends the path by the i-th pixel of a tile that fits one vector.
-  HWY_INLINE void extendVector(int i, V& costs, V& lowest) {
+  HWY_INLINE void extendVector(int i, V blocked, V& costs, V& lowest) {
     const Tag tag;
     const int rising = rise(i);
     if (HWY_UNLIKELY(rising != 0)) {
       costs = rising > 0 ? rotateUp(tag, costs) : rotateDown(tag, costs);
     }
     const auto beside = hn::Min(rotateUp(tag, costs), rotateDown(tag, costs));
-    costs = extendLanes(penalties_, edge(i), pixel(i), costs, beside, lowest);
+    costs = extendLanes(penalties_, edge(i), hn::Load(tag, pixel(i)), blocked, costs, beside,
+                        lowest);
     hn::Store(costs, tag, pixel(i));
     lowest = lowestOfLanes(tag, costs);
   }
@@ -129,12 +180,15 @@ class RowPath {
     const auto step = static_cast<int>(hn::Lanes(tag));
     const std::uint16_t* previous = pixel(i - 1) - rise(i);
     std::uint16_t* current = pixel(i);
+    const std::uint16_t* blocked = memory_.blocked;
+    const int lanes = lanes_;
     const int reference_edge = edge(i);
     auto lowest_cost = hn::Set(tag, kNoPath);
-    for (int lane = 0; lane < lanes_; lane += step) {
+    for (int lane = 0; lane < lanes; lane += step) {
       const auto beside =
           hn::Min(hn::LoadU(tag, previous + lane - 1), hn::LoadU(tag, previous + lane + 1));
-      const auto costs = extendLanes(penalties_, reference_edge, current + lane,
+      const auto costs = extendLanes(penalties_, reference_edge, hn::Load(tag, current + lane),
+                                     hn::Load(tag, blocked + lane),
                                      hn::LoadU(tag, previous + lane), beside, lowest);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, current + lane);
@@ -150,92 +204,75 @@ class RowPath {
       return;
     }
     keepLast();
-    pixelsToLanes(buffer_.pixel(0), padded_lanes_, buffer_.stride, buffer_.entries.data());
-    const ColumnTag tag;
+    pixelsToLanes(memory_.pixels, paddedLanes(), memory_.stride, memory_.entries);
     std::uint16_t* sums = job_.sums.entry(tile_.first_entry);
-    for (std::size_t r = 0; r < buffer_.run_count; ++r) {
-      const LaneRun& run = buffer_.runs[r];
-      const std::uint16_t* entries = buffer_.entries.data() + run.lane * kTileColumns;
-      for (int i = 0; i < run.length * kTileColumns; i += static_cast<int>(hn::Lanes(tag))) {
-        const auto costs = hn::Load(tag, entries + i);
-        hn::Store(kAdd ? hn::Add(hn::Load(tag, sums + i), costs) : costs, tag, sums + i);
-      }
-      sums += run.length * kTileColumns;
+    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
+      sumUp<kAdd>(memory_.entries + run->lane * kTileColumns, run->length * kTileColumns, sums);
+      sums += run->length * kTileColumns;
     }
   }
 
+  /// Leaves the memory as it was found.
+  HWY_INLINE void finish() { forget(memory_.runs); }
+
  private:
-  std::uint16_t* pixel(int i) const { return buffer_.pixel(first_column_ + i * direction_); }
-  int edge(int i) const { return -steps_.reference_edges[first_column_ + i * direction_]; }
-  int rise(int i) const { return direction_ * steps_.rises[first_column_ + i * direction_]; }
+  std::uint16_t* pixel(int i) const { return first_pixel_ + i * stride_; }
+  int edge(int i) const { return -first_edge_[i * direction_]; }
+  int rise(int i) const { return direction_ * first_rise_[i * direction_]; }
+  int paddedLanes() const {
+    return (lanes_ + kTransposeLanes - 1) / kTransposeLanes * kTransposeLanes;
+  }
 
   /// Runs are two lanes apart, or one if a single disparity lies between them: a path goes on at
   /// most two disparities away.
   HWY_INLINE void findRuns() {
-    buffer_.runs.swap(buffer_.previous_runs);
-    buffer_.previous_run_count = buffer_.run_count;
-    LaneRun* runs = buffer_.runs.data();
-    std::size_t count = 0;
-    int next = tile_.indices[0];
+    std::swap(memory_.runs, memory_.previous_runs);
+    LaneRun* run = memory_.runs;
+    const std::int16_t* indices = tile_.indices;
+    const int count = tile_.count;
+    int first = 0;
     int lane = 0;
-    runs[0] = {0, next, 0};
-    for (int i = 0; i < tile_.count; ++i) {
-      const int index = tile_.indices[i];
-      if (index != next) {
-        lane += std::min(index - next, 2);
-        runs[++count] = {lane, index, 0};
-      }
-      ++runs[count].length;
-      ++lane;
-      next = index + 1;
-    }
-    buffer_.run_count = count + 1;
-    lanes_ = lane;
-    padded_lanes_ = (lane + kTransposeLanes - 1) / kTransposeLanes * kTransposeLanes;
-  }
-
-  /// [lane][column]
-  HWY_INLINE void fillEntries() {
-    const ColumnTag tag;
-    const hn::RebindToSigned<ColumnTag> signed_tag;
-    const hn::Rebind<std::int8_t, ColumnTag> edge_tag;
-    const auto step = static_cast<int>(hn::Lanes(tag));
-    const auto edge_bit = hn::Set(tag, kEdgeBit);
-    const Cost* costs = job_.costs.entry(tile_.first_entry);
-    for (std::size_t r = 0; r < buffer_.run_count; ++r) {
-      const LaneRun& run = buffer_.runs[r];
-      std::uint16_t* entry = buffer_.entries.data() + run.lane * kTileColumns;
-      for (int i = 0; i < run.length; ++i) {
-        const std::int8_t* edges = steps_.other_edges + steps_.slope * (run.index + i);
-        for (int column = 0; column < kTileColumns; column += step) {
-          const auto edge = hn::BitCast(
-              tag, hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + column)));
-          hn::Store(hn::Or(loadWidened(tag, costs + column), hn::And(edge, edge_bit)), tag,
-                    entry + column);
+    while (true) {
+      int end = count;
+      if (indices[count - 1] - indices[first] >= count - first) {
+        for (end = first + 1; indices[end] == indices[end - 1] + 1; ++end) {
         }
-        costs += kTileColumns;
-        entry += kTileColumns;
       }
-      fillWithout(entry, 2 * kTileColumns);
+      *run++ = {lane, indices[first], end - first};
+      lane += end - first;
+      if (end == count) {
+        break;
+      }
+      lane += std::min(indices[end] - indices[end - 1] - 1, 2);
+      first = end;
     }
-    std::uint16_t* end = buffer_.entries.data() + lanes_ * kTileColumns;
-    fillWithout(end, (padded_lanes_ - lanes_) * kTileColumns);
+    *run = {lane, 0, 0};
+    lanes_ = lane;
   }
 
-  HWY_INLINE void fillWithout(std::uint16_t* entry, int count) {
-    const ColumnTag tag;
-    for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
-      hn::Store(hn::Set(tag, kNoHypothesis), tag, entry + i);
+  /// Marks the lanes that have no hypothesis, as far as a vector reaches.
+  HWY_INLINE void block() {
+    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
+      fillVectors(0, run->length, memory_.blocked + run->lane);
+      fillVectors(kNoHypothesis, 1, memory_.blocked + run->lane + run->length);
     }
   }
 
-  /// [column][lane], with lanes without a hypothesis behind the others, as far as a vector reaches.
-  HWY_INLINE void fillPixels() {
-    const Tag tag;
-    for (int column = 0; column < kTileColumns; ++column) {
-      hn::StoreU(hn::Set(tag, kNoHypothesis), tag, buffer_.pixel(column) + padded_lanes_);
+  HWY_INLINE void fillPixels(const PathSteps& steps) {
+    const Cost* costs = job_.costs.entry(tile_.first_entry);
+    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
+      packEntries(costs, steps.other_edges + steps.slope * run->index, steps.slope, run->length,
+                  memory_.entries + run->lane * kTileColumns);
+      costs += run->length * kTileColumns;
     }
-    lanesToPixels(buffer_.entries.data(), padded_lanes_, buffer_.stride, buffer_.pixel(0));
+    lanesToPixels(memory_.entries, paddedLanes(), memory_.stride, memory_.pixels);
+    if (!fitsOneVector()) {
+      const auto step = static_cast<int>(hn::Lanes(Tag()));
+      const int end = (lanes_ + step - 1) / step * step;
+      for (int column = 0; column < kTileColumns; ++column) {
+        fillVectors(kNoPath, 1, memory_.pixels + column * memory_.stride + end);
+      }
+    }
   }
 
   /// The costs of the last pixel, by disparity, for the next tile.
@@ -243,12 +280,11 @@ class RowPath {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     const std::uint16_t* last = pixel(columns_ - 1);
-    for (std::size_t r = 0; r < buffer_.run_count; ++r) {
-      const LaneRun& run = buffer_.runs[r];
-      std::uint16_t* out = buffer_.previous.data() + RowBuffer::kGap + run.index;
-      for (int i = 0; i < run.length; i += step) {
-        hn::BlendedStore(hn::LoadU(tag, last + run.lane + i), hn::FirstN(tag, run.length - i), tag,
-                         out + i);
+    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
+      std::uint16_t* out = memory_.previous + run->index;
+      for (int i = 0; i < run->length; i += step) {
+        hn::BlendedStore(hn::LoadU(tag, last + run->lane + i), hn::FirstN(tag, run->length - i),
+                         tag, out + i);
       }
     }
   }
@@ -259,26 +295,26 @@ class RowPath {
   HWY_INLINE void takePrevious(int rising) {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
-    std::uint16_t* previous = buffer_.previous.data() + RowBuffer::kGap;
-    for (std::size_t r = 0; !fresh_ && r < buffer_.run_count; ++r) {
-      const LaneRun& run = buffer_.runs[r];
-      const std::uint16_t* in = previous + run.index - rising;
-      for (int i = 0; i < run.length; i += step) {
-        hn::StoreU(hn::LoadU(tag, in + i), tag, buffer_.along.data() + run.lane + i);
-        hn::StoreU(hn::Min(hn::LoadU(tag, in + i - 1), hn::LoadU(tag, in + i + 1)), tag,
-                   buffer_.beside.data() + run.lane + i);
-      }
-    }
-    for (int lane = 0; fresh_ && lane < lanes_; lane += step) {
+    if (fresh_) {
       // All costs zero, from which the step leads to L = C.
       lowest_ = 0;
-      hn::Store(hn::Zero(tag), tag, buffer_.along.data() + lane);
-    }
-    for (std::size_t r = 0; r < buffer_.previous_run_count; ++r) {
-      const LaneRun& run = buffer_.previous_runs[r];
-      for (int i = 0; i < run.length; i += step) {
-        hn::StoreU(hn::Set(tag, kNoPath), tag, previous + run.index + i);
+      fillVectors(0, lanes_, memory_.along);
+    } else {
+      for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
+        const std::uint16_t* in = memory_.previous + run->index - rising;
+        for (int i = 0; i < run->length; i += step) {
+          hn::StoreU(hn::LoadU(tag, in + i), tag, memory_.along + run->lane + i);
+          hn::StoreU(hn::Min(hn::LoadU(tag, in + i - 1), hn::LoadU(tag, in + i + 1)), tag,
+                     memory_.beside + run->lane + i);
+        }
       }
+    }
+    forget(memory_.previous_runs);
+  }
+
+  HWY_INLINE void forget(const LaneRun* run) {
+    for (; run->length > 0; ++run) {
+      fillVectors(kNoPath, run->length, memory_.previous + run->index);
     }
   }
 
@@ -288,9 +324,10 @@ class RowPath {
     const auto lowest_previous = lowest();
     auto lowest_cost = hn::Set(tag, kNoPath);
     for (int lane = 0; lane < lanes_; lane += step) {
-      const auto costs = extendLanes(penalties_, edge(0), pixel(0) + lane,
-                                     hn::Load(tag, buffer_.along.data() + lane),
-                                     hn::Load(tag, buffer_.beside.data() + lane), lowest_previous);
+      const auto costs = extendLanes(
+          penalties_, edge(0), hn::Load(tag, pixel(0) + lane),
+          hn::Load(tag, memory_.blocked + lane), hn::Load(tag, memory_.along + lane),
+          hn::Load(tag, memory_.beside + lane), lowest_previous);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, pixel(0) + lane);
     }
@@ -300,15 +337,17 @@ class RowPath {
   const RowJob<Cost>& job_;
   const PenaltyLanes& penalties_;
   const int direction_;  ///< 1: from the left, -1: from the right
-  RowBuffer& buffer_;
+  const std::ptrdiff_t stride_;
+  const PathSteps row_;
+  RowMemory memory_;
   bool fresh_ = true;  ///< the next pixel is the first one of the path
   std::uint16_t lowest_ = 0;
   SearchSpace::Tile tile_{nullptr, 0, 0};
   int columns_ = 0;
-  int first_column_ = 0;
   int lanes_ = 0;
-  int padded_lanes_ = 0;
-  PathSteps steps_{nullptr, nullptr, 0, nullptr};
+  std::uint16_t* first_pixel_;
+  const std::int8_t* first_edge_ = nullptr;
+  const std::int8_t* first_rise_ = nullptr;
 };
 
 /// Calls a(i) and b(i) in turns, since each waits for its result of the call before, for the second
@@ -336,10 +375,12 @@ HWY_INLINE void walkTiles(RowPath<Cost>& left, RowPath<Cost>& right) {
   if (left.fitsOneVector() && right.fitsOneVector()) {
     auto left_costs = left.firstCosts();
     auto right_costs = right.firstCosts();
+    const auto left_blocked = left.blockedLanes();
+    const auto right_blocked = right.blockedLanes();
     inTurns(
         left.columns(), right.columns(),
-        [&](int i) HWY_ATTR { left.extendVector(i, left_costs, left_lowest); },
-        [&](int i) HWY_ATTR { right.extendVector(i, right_costs, right_lowest); });
+        [&](int i) HWY_ATTR { left.extendVector(i, left_blocked, left_costs, left_lowest); },
+        [&](int i) HWY_ATTR { right.extendVector(i, right_blocked, right_costs, right_lowest); });
   } else
 #endif
   {
@@ -355,8 +396,8 @@ HWY_INLINE void walkTiles(RowPath<Cost>& left, RowPath<Cost>& right) {
 template <typename Cost>
 HWY_INLINE void runRow(const RowJob<Cost>& job, RowBuffer* buffers) {
   const PenaltyLanes penalties(job.setup.penalties);
-  RowPath<Cost> left(job, penalties, 1, buffers[0]);
-  RowPath<Cost> right(job, penalties, -1, buffers[1]);
+  RowPath<Cost> left(job, penalties, 1, buffers[0].memory());
+  RowPath<Cost> right(job, penalties, -1, buffers[1].memory());
   const int tiles = job.setup.space->tiles();
   for (int t = 0; t < tiles; ++t) {
     const int opposite = tiles - 1 - t;
@@ -374,6 +415,8 @@ HWY_INLINE void runRow(const RowJob<Cost>& job, RowBuffer* buffers) {
       right.template leave<true>();
     }
   }
+  left.finish();
+  right.finish();
 }
 
 void runRowOfBytes(const RowJob<std::uint8_t>& job, RowBuffer* buffers) { runRow(job, buffers); }
@@ -403,15 +446,22 @@ void runRow(const RowJob<std::uint16_t>& job, RowBuffer* buffers) {
 void RowBuffer::resize(int disparities) {
   // Lanes: gaps are no wider than what they stand for.
   const std::ptrdiff_t lanes = (disparities + kGap - 1) / kGap * kGap;
-  stride = lanes + kGap;
-  runs.resize((disparities + 1) / 2);
-  previous_runs.resize(runs.size());
-  run_count = previous_run_count = 0;
-  entries.resize((lanes + 2) * kTileColumns);
-  pixels.assign(kGap + kTileColumns * stride, kNoPath);
-  previous.assign(kGap + disparities + kGap + 2, kNoPath);
-  along.resize(lanes + kGap);
-  beside.resize(along.size());
+  stride_ = lanes + kGap;
+  runs_.assign(2 * maxRuns(disparities), LaneRun{0, 0, 0});
+  entries_.resize(lanes * kTileColumns);
+  pixels_.assign(kGap + kTileColumns * stride_, kNoPath);
+  blocked_.resize(lanes + kGap);
+  previous_.assign(kGap + disparities + kGap + 2, kNoPath);
+  along_.resize(lanes + kGap);
+  beside_.resize(along_.size());
+}
+
+RowMemory RowBuffer::memory() {
+  return {runs_.data(),        runs_.data() + runs_.size() / 2,
+          entries_.data(),     pixels_.data() + kGap,
+          stride_,             blocked_.data(),
+          previous_.data() + kGap, along_.data(),
+          beside_.data()};
 }
 
 void RowPaths::resize(const PathSetup& setup) {

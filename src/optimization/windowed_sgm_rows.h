@@ -21,25 +21,40 @@ struct LaneRun {
 
 /// Memory of a path along a row, for the tile under way. A tile's hypotheses have a lane each, in
 /// ascending order, with gaps between the runs.
-struct RowBuffer {
-  using Costs = std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>>;
+struct RowMemory {
+  LaneRun* runs;  ///< one of length 0 behind the last one
+  LaneRun* previous_runs;
+  std::uint16_t* entries;  ///< [lane][column]
+  std::uint16_t* pixels;   ///< [column][lane], whose rows are `stride` apart
+  std::ptrdiff_t stride;
+  std::uint16_t* blocked;   ///< [lane]: which have no hypothesis
+  std::uint16_t* previous;  ///< [index]: the last pixel of the tile before; else kNoPath
+  std::uint16_t* along;     ///< [lane]: at the tile's first pixel, see pathCosts
+  std::uint16_t* beside;
+};
 
+class RowBuffer {
+ public:
   void resize(int disparities);
-  std::uint16_t* pixel(int column) { return pixels.data() + kGap + column * stride; }
+  RowMemory memory();
 
-  /// At least the lanes of the widest vector.
+  /// Elements before and behind the lanes of a pixel: at least those of the widest vector.
   static constexpr std::ptrdiff_t kGap = 32;
 
-  std::vector<LaneRun> runs;
-  std::vector<LaneRun> previous_runs;
-  std::size_t run_count = 0;
-  std::size_t previous_run_count = 0;
-  Costs entries;  ///< [lane][column]
-  Costs pixels;   ///< [column][lane]
-  std::ptrdiff_t stride = 0;
-  Costs previous;  ///< [index] of the last pixel of the tile before; else kNoPath
-  Costs along;     ///< of PreviousCosts, [lane], at a tile's first pixel
-  Costs beside;
+ private:
+  using Costs = std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>>;
+
+  /// The last one included.
+  static std::size_t maxRuns(int disparities) { return (disparities + 1) / 2 + 1; }
+
+  std::vector<LaneRun> runs_;  // of two tiles
+  Costs entries_;
+  Costs pixels_;
+  std::ptrdiff_t stride_ = 0;
+  Costs blocked_;
+  Costs previous_;
+  Costs along_;
+  Costs beside_;
 };
 
 /// The paths along a row.
