@@ -69,7 +69,9 @@ class WindowedSgm::Impl {
     const int band_rows = bandRows(space, sizeof(Cost) + sizeof(std::uint16_t));
     for (int first = 0; first < height; first += band_rows) {
       const cv::Range band(first, std::min(first + band_rows, height));
-      tbb::parallel_for(band.start, band.end, [&](int y) { rows_.local().run(costs, y, sums); });
+      tbb::parallel_for(band.start, band.end, RowPaths::kRowsAtOnce, [&](int y) {
+        rows_.local().run(costs, {y, std::min(y + RowPaths::kRowsAtOnce, band.end)}, sums);
+      });
       tbb::parallel_for(std::size_t{0}, blocks_.size(),
                         [&](std::size_t i) { blocks_[i].runDown(costs, band, sums); });
     }

@@ -1,7 +1,10 @@
 #include "optimization/windowed_sgm_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
+
+#include <hwy/cache_control.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_sgm_rows.cpp"
@@ -17,13 +20,13 @@
 namespace cbmv {
 namespace {
 
-/// A row of pixels.
+/// Neighbouring rows of pixels, at most kRowsAtOnce.
 template <typename Cost>
 struct RowJob {
   const PathSetup& setup;
   const WindowedVolume<Cost>& costs;
   WindowedOptimizedVolume& sums;
-  int y;
+  cv::Range rows;
 };
 
 /// What a lane of a pixel holds before its path cost: a matching cost, and this bit where the other
@@ -106,11 +109,22 @@ HWY_INLINE void sumUp(const std::uint16_t* costs, int count, std::uint16_t* sums
   }
 }
 
-/// `count` values, rounded up to whole vectors.
+/// `count` values, rounded up to whole vectors, but at least one.
 HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) {
   const Tag tag;
-  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
-    hn::StoreU(hn::Set(tag, value), tag, out + i);
+  const auto step = static_cast<int>(hn::Lanes(tag));
+  const auto values = hn::Set(tag, value);
+  hn::StoreU(values, tag, out);  // most often the only one: not in the loop, which calls memset
+  for (int i = step; i < count; i += step) {
+    hn::StoreU(values, tag, out + i);
+  }
+}
+
+/// Fetches what will be read a tile later.
+template <typename Value>
+HWY_INLINE void prefetch(const Value* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += 64 / sizeof(Value)) {
+    hwy::Prefetch(values + i);
   }
 }
 
@@ -118,34 +132,47 @@ HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) 
 template <typename Cost>
 class RowPath {
  public:
-  RowPath(const RowJob<Cost>& job, const PenaltyLanes& penalties, int direction,
+  /// Goes nowhere if `y` is none of the rows.
+  RowPath(const RowJob<Cost>& job, int y, const PenaltyLanes& penalties, int direction,
           const RowMemory& memory)
       : job_(job),
+        y_(y),
         penalties_(penalties),
         direction_(direction),
         stride_(direction * memory.stride),
-        row_(job.setup.steps.row(job.y)),
         memory_(memory),
         first_pixel_(memory.pixels) {}
 
-  /// Lays out a tile and extends the path by its first pixel.
-  HWY_INLINE void enter(int t) {
+  /// Lays out the n-th tile of the path.
+  HWY_INLINE void enter(int n) {
+    if (y_ >= job_.rows.end) {
+      return;
+    }
     const SearchSpace& space = *job_.setup.space;
-    tile_ = space.tile(job_.y, t);
+    const int t = direction_ > 0 ? n : space.tiles() - 1 - n;
+    tile_ = space.tile(y_, t);
     columns_ = tile_.count == 0 ? 0 : std::min(kTileColumns, space.width() - t * kTileColumns);
     if (columns_ == 0) {
       return;
     }
     const int first_column = direction_ > 0 ? 0 : columns_ - 1;
-    const PathSteps steps = row_.from(t * kTileColumns + (direction_ > 0 ? 0 : 1));
+    const PathSteps steps =
+        job_.setup.steps.row(y_).from(t * kTileColumns + (direction_ > 0 ? 0 : 1));
     first_pixel_ = memory_.pixels + first_column * memory_.stride;
     first_edge_ = steps.reference_edges + first_column;
     first_rise_ = steps.rises + first_column;
+    prefetchTile(t + direction_);
     findRuns();
     block();
     fillPixels(steps);
-    takePrevious(rise(0));
-    extendFirst();
+  }
+
+  /// Extends the path by the first pixel of the tile.
+  HWY_INLINE void start() {
+    if (columns_ > 0) {
+      takePrevious(rise(0));
+      extendFirst();
+    }
   }
 
   /// Of the tile.
@@ -196,14 +223,26 @@ class RowPath {
     lowest = lowestOfLanes(tag, lowest_cost);
   }
 
-  /// Sets the sums of the tile, or adds the path costs to them.
-  template <bool kAdd>
-  HWY_INLINE void leave() {
+  /// Sets the sums of the n-th tile of the path, or adds the path costs to them.
+  HWY_INLINE void leave(int n) {
     fresh_ = columns_ == 0;
-    if (fresh_) {
-      return;
+    if (!fresh_) {
+      keepLast();
+      const int other = job_.setup.space->tiles() - 1 - n;
+      if (n < other || (n == other && direction_ > 0)) {
+        addToSums<false>();
+      } else {
+        addToSums<true>();
+      }
     }
-    keepLast();
+  }
+
+  /// Leaves the memory as it was found.
+  HWY_INLINE void finish() { forget(memory_.runs); }
+
+ private:
+  template <bool kAdd>
+  HWY_INLINE void addToSums() {
     pixelsToLanes(memory_.pixels, paddedLanes(), memory_.stride, memory_.entries);
     std::uint16_t* sums = job_.sums.entry(tile_.first_entry);
     for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
@@ -212,15 +251,18 @@ class RowPath {
     }
   }
 
-  /// Leaves the memory as it was found.
-  HWY_INLINE void finish() { forget(memory_.runs); }
-
- private:
   std::uint16_t* pixel(int i) const { return first_pixel_ + i * stride_; }
   int edge(int i) const { return -first_edge_[i * direction_]; }
   int rise(int i) const { return direction_ * first_rise_[i * direction_]; }
   int paddedLanes() const {
     return (lanes_ + kTransposeLanes - 1) / kTransposeLanes * kTransposeLanes;
+  }
+
+  HWY_INLINE void prefetchTile(int t) {
+    if (t >= 0 && t < job_.setup.space->tiles()) {
+      const auto tile = job_.setup.space->tile(y_, t);
+      prefetch(job_.costs.entry(tile.first_entry), tile.count * kTileColumns);
+    }
   }
 
   /// Runs are two lanes apart, or one if a single disparity lies between them: a path goes on at
@@ -335,10 +377,10 @@ class RowPath {
   }
 
   const RowJob<Cost>& job_;
+  const int y_;
   const PenaltyLanes& penalties_;
   const int direction_;  ///< 1: from the left, -1: from the right
   const std::ptrdiff_t stride_;
-  const PathSteps row_;
   RowMemory memory_;
   bool fresh_ = true;  ///< the next pixel is the first one of the path
   std::uint16_t lowest_ = 0;
@@ -350,77 +392,95 @@ class RowPath {
   const std::int8_t* first_rise_ = nullptr;
 };
 
-/// Calls a(i) and b(i) in turns, since each waits for its result of the call before, for the second
+/// Calls a(i) … d(i) in turns, since each waits for its result of the call before, for the second
 /// and later pixels of the tiles.
-template <typename A, typename B>
-HWY_INLINE void inTurns(int columns_a, int columns_b, const A& a, const B& b) {
-  const int both = std::min(columns_a, columns_b);
-  for (int i = 1; i < both; ++i) {
+template <typename A, typename B, typename C, typename D>
+HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& b, const C& c,
+                        const D& d) {
+  const int all = *std::min_element(columns.begin(), columns.end());
+  for (int i = 1; i < all; ++i) {
     a(i);
     b(i);
+    c(i);
+    d(i);
   }
-  for (int i = std::max(both, 1); i < columns_a; ++i) {
-    a(i);
-  }
-  for (int i = std::max(both, 1); i < columns_b; ++i) {
-    b(i);
-  }
+  const auto finish = [&](const auto& path, int end) HWY_ATTR {
+    for (int i = std::max(all, 1); i < end; ++i) {
+      path(i);
+    }
+  };
+  finish(a, columns[0]);
+  finish(b, columns[1]);
+  finish(c, columns[2]);
+  finish(d, columns[3]);
 }
 
 template <typename Cost>
-HWY_INLINE void walkTiles(RowPath<Cost>& left, RowPath<Cost>& right) {
-  auto left_lowest = left.lowest();
-  auto right_lowest = right.lowest();
+HWY_INLINE void walkTiles(RowPath<Cost>& a, RowPath<Cost>& b, RowPath<Cost>& c, RowPath<Cost>& d) {
+  const std::array<int, 4> columns = {a.columns(), b.columns(), c.columns(), d.columns()};
+  auto lowest_a = a.lowest();
+  auto lowest_b = b.lowest();
+  auto lowest_c = c.lowest();
+  auto lowest_d = d.lowest();
 #if !HWY_HAVE_SCALABLE
-  if (left.fitsOneVector() && right.fitsOneVector()) {
-    auto left_costs = left.firstCosts();
-    auto right_costs = right.firstCosts();
-    const auto left_blocked = left.blockedLanes();
-    const auto right_blocked = right.blockedLanes();
+  if (a.fitsOneVector() && b.fitsOneVector() && c.fitsOneVector() && d.fitsOneVector()) {
+    const auto blocked_a = a.blockedLanes();
+    const auto blocked_b = b.blockedLanes();
+    const auto blocked_c = c.blockedLanes();
+    const auto blocked_d = d.blockedLanes();
+    auto costs_a = a.firstCosts();
+    auto costs_b = b.firstCosts();
+    auto costs_c = c.firstCosts();
+    auto costs_d = d.firstCosts();
     inTurns(
-        left.columns(), right.columns(),
-        [&](int i) HWY_ATTR { left.extendVector(i, left_blocked, left_costs, left_lowest); },
-        [&](int i) HWY_ATTR { right.extendVector(i, right_blocked, right_costs, right_lowest); });
+        columns, [&](int i) HWY_ATTR { a.extendVector(i, blocked_a, costs_a, lowest_a); },
+        [&](int i) HWY_ATTR { b.extendVector(i, blocked_b, costs_b, lowest_b); },
+        [&](int i) HWY_ATTR { c.extendVector(i, blocked_c, costs_c, lowest_c); },
+        [&](int i) HWY_ATTR { d.extendVector(i, blocked_d, costs_d, lowest_d); });
   } else
 #endif
   {
     inTurns(
-        left.columns(), right.columns(), [&](int i) HWY_ATTR { left.extend(i, left_lowest); },
-        [&](int i) HWY_ATTR { right.extend(i, right_lowest); });
+        columns, [&](int i) HWY_ATTR { a.extend(i, lowest_a); },
+        [&](int i) HWY_ATTR { b.extend(i, lowest_b); },
+        [&](int i) HWY_ATTR { c.extend(i, lowest_c); },
+        [&](int i) HWY_ATTR { d.extend(i, lowest_d); });
   }
-  left.setLowest(left_lowest);
-  right.setLowest(right_lowest);
+  a.setLowest(lowest_a);
+  b.setLowest(lowest_b);
+  c.setLowest(lowest_c);
+  d.setLowest(lowest_d);
 }
 
-/// Both paths at once: whichever comes first to a tile sets its sums.
+/// Both paths of the rows at once: whichever comes first to a tile sets its sums.
 template <typename Cost>
-HWY_INLINE void runRow(const RowJob<Cost>& job, RowBuffer* buffers) {
+HWY_INLINE void runRows(const RowJob<Cost>& job, RowBuffer* buffers) {
   const PenaltyLanes penalties(job.setup.penalties);
-  RowPath<Cost> left(job, penalties, 1, buffers[0].memory());
-  RowPath<Cost> right(job, penalties, -1, buffers[1].memory());
+  const int y = job.rows.start;
+  RowPath<Cost> paths[] = {{job, y, penalties, 1, buffers[0].memory()},
+                           {job, y, penalties, -1, buffers[1].memory()},
+                           {job, y + 1, penalties, 1, buffers[2].memory()},
+                           {job, y + 1, penalties, -1, buffers[3].memory()}};
   const int tiles = job.setup.space->tiles();
-  for (int t = 0; t < tiles; ++t) {
-    const int opposite = tiles - 1 - t;
-    left.enter(t);
-    right.enter(opposite);
-    walkTiles(left, right);
-    if (t <= opposite) {
-      left.template leave<false>();
-    } else {
-      left.template leave<true>();
+  for (int n = 0; n < tiles; ++n) {
+    for (RowPath<Cost>& path : paths) {
+      path.enter(n);
     }
-    if (t < opposite) {
-      right.template leave<false>();
-    } else {
-      right.template leave<true>();
+    for (RowPath<Cost>& path : paths) {
+      path.start();
+    }
+    walkTiles(paths[0], paths[1], paths[2], paths[3]);
+    for (RowPath<Cost>& path : paths) {
+      path.leave(n);
     }
   }
-  left.finish();
-  right.finish();
+  for (RowPath<Cost>& path : paths) {
+    path.finish();
+  }
 }
 
-void runRowOfBytes(const RowJob<std::uint8_t>& job, RowBuffer* buffers) { runRow(job, buffers); }
-void runRowOfWords(const RowJob<std::uint16_t>& job, RowBuffer* buffers) { runRow(job, buffers); }
+void runRowsOfBytes(const RowJob<std::uint8_t>& job, RowBuffer* buffers) { runRows(job, buffers); }
+void runRowsOfWords(const RowJob<std::uint16_t>& job, RowBuffer* buffers) { runRows(job, buffers); }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -431,14 +491,14 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(runRowOfBytes);
-HWY_EXPORT(runRowOfWords);
+HWY_EXPORT(runRowsOfBytes);
+HWY_EXPORT(runRowsOfWords);
 
-void runRow(const RowJob<std::uint8_t>& job, RowBuffer* buffers) {
-  HWY_DYNAMIC_DISPATCH(runRowOfBytes)(job, buffers);
+void runRows(const RowJob<std::uint8_t>& job, RowBuffer* buffers) {
+  HWY_DYNAMIC_DISPATCH(runRowsOfBytes)(job, buffers);
 }
-void runRow(const RowJob<std::uint16_t>& job, RowBuffer* buffers) {
-  HWY_DYNAMIC_DISPATCH(runRowOfWords)(job, buffers);
+void runRows(const RowJob<std::uint16_t>& job, RowBuffer* buffers) {
+  HWY_DYNAMIC_DISPATCH(runRowsOfWords)(job, buffers);
 }
 
 }  // namespace
@@ -472,12 +532,15 @@ void RowPaths::resize(const PathSetup& setup) {
 }
 
 template <typename Cost>
-void RowPaths::run(const WindowedVolume<Cost>& costs, int y, WindowedOptimizedVolume& sums) {
-  runRow(RowJob<Cost>{*setup_, costs, sums, y}, buffers_.data());
+void RowPaths::run(const WindowedVolume<Cost>& costs, const cv::Range& rows,
+                   WindowedOptimizedVolume& sums) {
+  runRows(RowJob<Cost>{*setup_, costs, sums, rows}, buffers_.data());
 }
 
-template void RowPaths::run(const WindowedMatchingVolume&, int, WindowedOptimizedVolume&);
-template void RowPaths::run(const WindowedOptimizedVolume&, int, WindowedOptimizedVolume&);
+template void RowPaths::run(const WindowedMatchingVolume&, const cv::Range&,
+                            WindowedOptimizedVolume&);
+template void RowPaths::run(const WindowedOptimizedVolume&, const cv::Range&,
+                            WindowedOptimizedVolume&);
 
 }  // namespace cbmv
 #endif  // HWY_ONCE

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "optimization/windowed_sgm_paths.h"
 
 #include "cbmv_stereo/volume/search_space.h"
@@ -57,18 +59,21 @@ class RowBuffer {
   Costs beside_;
 };
 
-/// The paths along a row.
+/// The paths along rows.
 class RowPaths {
  public:
+  /// Paths wait for their previous pixel all the time; this many rows fill the gaps.
+  static constexpr int kRowsAtOnce = 2;
+
   void resize(const PathSetup& setup);
 
-  /// Sets the sums of a row.
+  /// Sets the sums of at most kRowsAtOnce rows.
   template <typename Cost>
-  void run(const WindowedVolume<Cost>& costs, int y, WindowedOptimizedVolume& sums);
+  void run(const WindowedVolume<Cost>& costs, const cv::Range& rows, WindowedOptimizedVolume& sums);
 
  private:
   const PathSetup* setup_ = nullptr;
-  std::array<RowBuffer, 2> buffers_;
+  std::array<RowBuffer, 2 * kRowsAtOnce> buffers_;
 };
 
 }  // namespace cbmv
