@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "optimization/sgm_penalties.h"
+
 namespace cbmv {
 
 /// Costs of paths are signed, because not every instruction set compares unsigned 16-bit lanes.
 using PathCost = std::int16_t;
 
-constexpr int kMaxPathCost = 16383;
 /// Above every path cost, and still representable with a penalty on top.
 constexpr PathCost kGuard = kMaxPathCost + 1;
 

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -16,8 +14,8 @@
 
 #include "optimization/matching_row.h"
 #include "optimization/path_rows.h"
+#include "optimization/sgm_penalties.h"
 
-#include "cbmv_stereo/error.h"
 #include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/volume/per_thread.h"
 
@@ -219,40 +217,6 @@ constexpr int kColumnsPerBlock = 64;
 /// Rows of a band: enough to keep all threads busy between two waits for each other.
 constexpr int kRowsPerThread = 4;
 
-/// Penalties in units of 1/255, indexed by the number of images that have an edge.
-struct Penalties {
-  std::array<PathCost, 3> p1;
-  std::array<PathCost, 3> p2;
-};
-
-Penalties makePenalties(const SgmOptions& options, double p1_divisor) {
-  const std::array<double, 3> divisors = {1.0, options.q1,
-                                          static_cast<double>(options.q1) * options.q2};
-  Penalties penalties{};
-  for (std::size_t edges = 0; edges < divisors.size(); ++edges) {
-    penalties.p1[edges] =
-        static_cast<PathCost>(std::lround(255.0 * options.p1 / (divisors[edges] * p1_divisor)));
-    penalties.p2[edges] = static_cast<PathCost>(std::lround(255.0 * options.p2 / divisors[edges]));
-  }
-  return penalties;
-}
-
-void checkOptions(const SgmOptions& options) {
-  if (!(options.p1 >= 0 && options.p1 <= options.p2)) {
-    throw Error("The penalty p1 of semi-global matching is " + std::to_string(options.p1) +
-                "; it must lie between 0 and p2, which is " + std::to_string(options.p2) + ".");
-  }
-  if (!(255.0 * options.p2 <= kMaxPathCost)) {
-    throw Error("The penalty p2 of semi-global matching is " + std::to_string(options.p2) +
-                "; it must be at most " + std::to_string(kMaxPathCost / 255.0) + ".");
-  }
-  if (!(options.q1 >= 1 && options.q2 >= 1 && options.alpha1 >= 1)) {
-    throw Error("The divisors q1, q2 and alpha1 of semi-global matching are " +
-                std::to_string(options.q1) + ", " + std::to_string(options.q2) + " and " +
-                std::to_string(options.alpha1) + "; each must be at least 1.");
-  }
-}
-
 /// Steps of an image that count as edges: non-zero at (y, x) where there is one between (y, x) and
 /// its left neighbour (`horizontal`) or its upper neighbour (`vertical`). One row and one column
 /// larger than the image, zero where a neighbour is missing.
@@ -300,8 +264,8 @@ struct PathSetup {
   DisparityRange range;
   int width = 0;
   int height = 0;
-  Penalties horizontal{};
-  Penalties vertical{};
+  SgmPenalties horizontal{};
+  SgmPenalties vertical{};
   EdgeMaps reference;
   EdgeMaps other;
   cv::Mat surface;  // with a border of one pixel without a surface; empty: none anywhere
@@ -333,7 +297,7 @@ std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
 /// Penalties of all hypotheses of the pixels of one row, or of a part of one.
 class PenaltyRow {
  public:
-  void resize(const PathSetup& setup, const cv::Range& columns, const Penalties& penalties) {
+  void resize(const PathSetup& setup, const cv::Range& columns, const SgmPenalties& penalties) {
     first_column_ = columns.start;
     width_ = setup.width;
     penalties_ = penalties;
@@ -377,7 +341,7 @@ class PenaltyRow {
 
   int first_column_ = 0;
   int width_ = 0;
-  Penalties penalties_{};
+  SgmPenalties penalties_{};
   MatchingRow<std::uint8_t> other_edges_;
   Table p1_;
   Table p2_;
@@ -519,7 +483,7 @@ class SemiGlobalMatcher::Impl {
     CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
     CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
     CV_Assert(costs.disparities() == range.count);
-    checkOptions(options);
+    checkSgmOptions(options);
 
     mean.resize(costs.height(), costs.width(), costs.disparities());
     setup_.view = view;
@@ -597,11 +561,6 @@ void SemiGlobalMatcher::match(const MatchingVolume& costs, const EdgeImages& ima
                               const cv::Mat& surface, View view, const DisparityRange& range,
                               const SgmOptions& options, OptimizedVolume& mean) {
   impl_->match(costs, images, surface, view, range, options, mean);
-}
-
-int sgmCostBound(const SgmOptions& options) {
-  const double bound = 255.0 + options.iterations * std::round(255.0 * options.p2);
-  return static_cast<int>(std::min<double>(bound, std::numeric_limits<int>::max()));
 }
 
 }  // namespace cbmv

@@ -28,4 +28,8 @@ struct SgmOptions {
   int iterations = 2;            ///< sgm_i; 0 skips the stage
 };
 
+/// Largest value of a cost after `iterations` runs on costs of at most 255, in units of 1/255: each
+/// run adds at most P2. Must stay ≤ 16383, so that four paths fit 16 bits.
+int sgmCostBound(const SgmOptions& options);
+
 }  // namespace cbmv

@@ -4,21 +4,12 @@
 
 #include <opencv2/core.hpp>
 
+#include "cbmv_stereo/optimization/edge_images.h"
 #include "cbmv_stereo/optimization/options.h"
 #include "cbmv_stereo/volume/disparity_range.h"
 #include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
-
-/// The two images of a pair as semi-global matching sees them: CV_8UC1, same size, and the
-/// intensity step in grey levels from which on a step counts as an edge (tau_so times the image's
-/// standard deviation).
-struct EdgeImages {
-  cv::Mat reference;
-  cv::Mat other;
-  float reference_threshold_grey = 0;
-  float other_threshold_grey = 0;
-};
 
 /// Semi-global matching along four directions (Hirschmüller 2008 with the penalties of
 /// Žbontar & LeCun 2016, section 4.2). Holds the memory of the paths, which is kept from run to
@@ -64,9 +55,5 @@ class SemiGlobalMatcher {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Largest value of a cost after `iterations` runs on costs of at most 255, in units of 1/255: each
-/// run adds at most P2. Must stay ≤ 16383, so that four paths fit 16 bits.
-int sgmCostBound(const SgmOptions& options);
 
 }  // namespace cbmv

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "cbmv_stereo/optimization/options.h"
+
+namespace cbmv {
+
+/// No path of semi-global matching costs more (sgmCostBound).
+constexpr int kMaxPathCost = 16383;
+
+/// Penalties in units of 1/255, indexed by the number of images that have an edge.
+struct SgmPenalties {
+  std::array<std::int16_t, 3> p1;
+  std::array<std::int16_t, 3> p2;
+};
+
+/// P1 is divided by `p1_divisor`.
+SgmPenalties makePenalties(const SgmOptions& options, double p1_divisor);
+
+/// Throws Error if the options cannot be used.
+void checkSgmOptions(const SgmOptions& options);
+
+}  // namespace cbmv

@@ -1,0 +1,146 @@
+// Transposition of the costs of a tile, compiled once per instruction set.
+#if defined(CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
+#undef CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
+#else
+#define CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#include "cbmv_stereo/volume/search_space.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Half of a tile in one vector, or the whole tile: its halves in the two 128-bit blocks.
+#undef CBMV_TRANSPOSE_COLUMNS
+#if HWY_HAVE_SCALABLE || HWY_MAX_BYTES < 32
+#define CBMV_TRANSPOSE_COLUMNS 8
+#else
+#define CBMV_TRANSPOSE_COLUMNS 16
+#endif
+using TransposeTag = hn::CappedTag<std::uint16_t, CBMV_TRANSPOSE_COLUMNS>;
+
+/// Lanes that are transposed at once.
+constexpr int kTransposeLanes = 8;
+
+template <class V>
+HWY_INLINE void interleave(V& a, V& b) {
+  const TransposeTag tag;
+  const auto lower = hn::InterleaveLower(tag, a, b);
+  b = hn::InterleaveUpper(tag, a, b);
+  a = lower;
+}
+
+/// Transposes the 8 x 8 values of each 128-bit block. (Not an array: not every instruction set has
+/// arrays of vectors.)
+template <class V>
+HWY_INLINE void transposeBlocks(V& a, V& b, V& c, V& d, V& e, V& f, V& g, V& h) {
+  interleave(a, e);
+  interleave(b, f);
+  interleave(c, g);
+  interleave(d, h);
+  interleave(a, c);
+  interleave(b, d);
+  interleave(e, g);
+  interleave(f, h);
+  interleave(a, b);
+  interleave(c, d);
+  interleave(e, f);
+  interleave(g, h);
+}
+
+/// A column of kTransposeLanes lanes, in each block of a vector; blocks are `distance` apart in
+/// memory.
+HWY_INLINE hn::Vec<TransposeTag> loadBlocks(const std::uint16_t* values,
+                                            [[maybe_unused]] std::ptrdiff_t distance) {
+  const TransposeTag tag;
+#if CBMV_TRANSPOSE_COLUMNS == 8
+  return hn::Load(tag, values);
+#else
+  const hn::Half<TransposeTag> half;
+  return hn::Combine(tag, hn::Load(half, values + distance), hn::Load(half, values));
+#endif
+}
+HWY_INLINE void storeBlocks(hn::Vec<TransposeTag> blocks, std::uint16_t* values,
+                            [[maybe_unused]] std::ptrdiff_t distance) {
+#if CBMV_TRANSPOSE_COLUMNS == 8
+  hn::Store(blocks, TransposeTag(), values);
+#else
+  const hn::Half<TransposeTag> half;
+  hn::Store(hn::LowerHalf(half, blocks), half, values);
+  hn::Store(hn::UpperHalf(half, blocks), half, values + distance);
+#endif
+}
+
+/// [lane][column] to [column][lane], whose rows are `stride` apart; `lanes` is a multiple of
+/// kTransposeLanes.
+HWY_INLINE void lanesToPixels(const std::uint16_t* entries, int lanes, std::ptrdiff_t stride,
+                              std::uint16_t* pixels) {
+  const TransposeTag tag;
+  for (int lane = 0; lane < lanes; lane += kTransposeLanes) {
+    for (int column = 0; column < kTileColumns; column += CBMV_TRANSPOSE_COLUMNS) {
+      const std::uint16_t* in = entries + lane * kTileColumns + column;
+      auto a = hn::Load(tag, in + 0 * kTileColumns);
+      auto b = hn::Load(tag, in + 1 * kTileColumns);
+      auto c = hn::Load(tag, in + 2 * kTileColumns);
+      auto d = hn::Load(tag, in + 3 * kTileColumns);
+      auto e = hn::Load(tag, in + 4 * kTileColumns);
+      auto f = hn::Load(tag, in + 5 * kTileColumns);
+      auto g = hn::Load(tag, in + 6 * kTileColumns);
+      auto h = hn::Load(tag, in + 7 * kTileColumns);
+      transposeBlocks(a, b, c, d, e, f, g, h);
+      std::uint16_t* out = pixels + column * stride + lane;
+      storeBlocks(a, out + 0 * stride, 8 * stride);
+      storeBlocks(b, out + 1 * stride, 8 * stride);
+      storeBlocks(c, out + 2 * stride, 8 * stride);
+      storeBlocks(d, out + 3 * stride, 8 * stride);
+      storeBlocks(e, out + 4 * stride, 8 * stride);
+      storeBlocks(f, out + 5 * stride, 8 * stride);
+      storeBlocks(g, out + 6 * stride, 8 * stride);
+      storeBlocks(h, out + 7 * stride, 8 * stride);
+    }
+  }
+}
+
+/// The inverse.
+HWY_INLINE void pixelsToLanes(const std::uint16_t* pixels, int lanes, std::ptrdiff_t stride,
+                              std::uint16_t* entries) {
+  const TransposeTag tag;
+  for (int lane = 0; lane < lanes; lane += kTransposeLanes) {
+    for (int column = 0; column < kTileColumns; column += CBMV_TRANSPOSE_COLUMNS) {
+      const std::uint16_t* in = pixels + column * stride + lane;
+      auto a = loadBlocks(in + 0 * stride, 8 * stride);
+      auto b = loadBlocks(in + 1 * stride, 8 * stride);
+      auto c = loadBlocks(in + 2 * stride, 8 * stride);
+      auto d = loadBlocks(in + 3 * stride, 8 * stride);
+      auto e = loadBlocks(in + 4 * stride, 8 * stride);
+      auto f = loadBlocks(in + 5 * stride, 8 * stride);
+      auto g = loadBlocks(in + 6 * stride, 8 * stride);
+      auto h = loadBlocks(in + 7 * stride, 8 * stride);
+      transposeBlocks(a, b, c, d, e, f, g, h);
+      std::uint16_t* out = entries + lane * kTileColumns + column;
+      hn::Store(a, tag, out + 0 * kTileColumns);
+      hn::Store(b, tag, out + 1 * kTileColumns);
+      hn::Store(c, tag, out + 2 * kTileColumns);
+      hn::Store(d, tag, out + 3 * kTileColumns);
+      hn::Store(e, tag, out + 4 * kTileColumns);
+      hn::Store(f, tag, out + 5 * kTileColumns);
+      hn::Store(g, tag, out + 6 * kTileColumns);
+      hn::Store(h, tag, out + 7 * kTileColumns);
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

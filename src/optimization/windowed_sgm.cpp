@@ -1,0 +1,112 @@
+#include "cbmv_stereo/optimization/windowed_sgm.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "optimization/sgm_penalties.h"
+#include "optimization/windowed_sgm_columns.h"
+#include "optimization/windowed_sgm_paths.h"
+#include "optimization/windowed_sgm_rows.h"
+
+#include "cbmv_stereo/volume/per_thread.h"
+
+namespace cbmv {
+namespace {
+
+/// Vertical paths advance this many tiles at once: wide enough to read whole pages, narrow enough to
+/// keep two rows of path costs close to the core.
+constexpr int kTilesPerBlock = 4;
+/// Rows of a band: at least so many that all threads are busy between two waits for each other, and
+/// more while the band's costs and sums stay in the caches.
+constexpr int kRowsPerThread = 4;
+constexpr std::size_t kBandBytesPerThread = std::size_t{1} << 18;
+
+}  // namespace
+
+class WindowedSgm::Impl {
+ public:
+  template <typename Cost>
+  void match(const SearchSpace& space, const WindowedVolume<Cost>& costs, const EdgeImages& images,
+             const cv::Mat& surface, View view, const SgmOptions& options,
+             WindowedOptimizedVolume& mean) {
+    const cv::Size size(space.width(), space.height());
+    CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
+    CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
+    CV_Assert(surface.empty() || (surface.type() == CV_16SC1 && surface.size() == size));
+    CV_Assert(costs.entries() == space.entries());
+    checkSgmOptions(options);
+
+    mean.resize(space);
+    horizontal_.space = vertical_.space = &space;
+    horizontal_.penalties = makePenalties(options, 1.0);
+    vertical_.penalties = makePenalties(options, options.alpha1);
+    horizontal_.steps.find(images, surface, view, space, StepMap::Axis::kHorizontal);
+    vertical_.steps.find(images, surface, view, space, StepMap::Axis::kVertical);
+    preparePaths(space);
+    addPaths(space, costs, mean);
+  }
+
+ private:
+  void preparePaths(const SearchSpace& space) {
+    const int tiles = space.tiles();
+    blocks_.resize((tiles + kTilesPerBlock - 1) / kTilesPerBlock);
+    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
+      const int first = static_cast<int>(i) * kTilesPerBlock;
+      blocks_[i].resize(vertical_, cv::Range(first, std::min(first + kTilesPerBlock, tiles)));
+    });
+    rows_.prepare([&](RowPaths& paths) { paths.resize(horizontal_); });
+  }
+
+  /// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
+  /// columns, while the band is still in the cache; upwards along the columns.
+  template <typename Cost>
+  void addPaths(const SearchSpace& space, const WindowedVolume<Cost>& costs,
+                WindowedOptimizedVolume& sums) {
+    const int height = space.height();
+    const int band_rows = bandRows(space, sizeof(Cost) + sizeof(std::uint16_t));
+    for (int first = 0; first < height; first += band_rows) {
+      const cv::Range band(first, std::min(first + band_rows, height));
+      tbb::parallel_for(band.start, band.end, RowPaths::kRowsAtOnce, [&](int y) {
+        rows_.local().run(costs, {y, std::min(y + RowPaths::kRowsAtOnce, band.end)}, sums);
+      });
+      tbb::parallel_for(std::size_t{0}, blocks_.size(),
+                        [&](std::size_t i) { blocks_[i].runDown(costs, band, sums); });
+    }
+    tbb::parallel_for(std::size_t{0}, blocks_.size(),
+                      [&](std::size_t i) { blocks_[i].runUp(costs, sums); });
+  }
+
+  static int bandRows(const SearchSpace& space, std::size_t hypothesis_bytes) {
+    const std::size_t row_bytes =
+        space.entries() * kTileColumns * hypothesis_bytes / std::max(1, space.height());
+    const auto fitting = static_cast<int>(kBandBytesPerThread / std::max<std::size_t>(1, row_bytes));
+    return std::clamp(fitting, kRowsPerThread, std::max(kRowsPerThread, space.height())) *
+           static_cast<int>(threadCount());
+  }
+
+  PathSetup horizontal_;
+  PathSetup vertical_;
+  std::vector<ColumnPaths> blocks_;
+  PerThread<RowPaths> rows_;
+};
+
+WindowedSgm::WindowedSgm() : impl_(std::make_unique<Impl>()) {}
+WindowedSgm::~WindowedSgm() = default;
+
+void WindowedSgm::match(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+                        const EdgeImages& images, const cv::Mat& surface, View view,
+                        const SgmOptions& options, WindowedOptimizedVolume& mean) {
+  CV_Assert(&costs != &mean);
+  impl_->match(space, costs, images, surface, view, options, mean);
+}
+
+void WindowedSgm::match(const SearchSpace& space, const WindowedMatchingVolume& costs,
+                        const EdgeImages& images, const cv::Mat& surface, View view,
+                        const SgmOptions& options, WindowedOptimizedVolume& mean) {
+  impl_->match(space, costs, images, surface, view, options, mean);
+}
+
+}  // namespace cbmv
