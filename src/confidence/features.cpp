@@ -35,17 +35,18 @@ HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, float unit) {
 /// c_min of both views.
 template <typename Cost>
 void findLowestCosts(const CostRow<Cost>& costs, int width, const DisparityRange& range, float unit,
-                     RowTerms& terms) {
+                     const RowSpans* spans, RowTerms& terms) {
   float* left = terms.left.lowest_cost.data();
   float* right = terms.right.lowest_cost.data();
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
     const Cost* line = costs.line(i);
-    forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-      const auto cost = loadCosts(tag, line + x, unit);
-      hn::StoreU(hn::Min(hn::LoadU(tag, left + x), cost), tag, left + x);
-      hn::StoreU(hn::Min(hn::LoadU(tag, right + x - d), cost), tag, right + x - d);
+    forSpans(spans, width, range, i, [=](const ColumnSpan& span) HWY_ATTR {
+      forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
+        const auto cost = loadCosts(tag, line + x, unit);
+        hn::StoreU(hn::Min(hn::LoadU(tag, left + x), cost), tag, left + x);
+        hn::StoreU(hn::Min(hn::LoadU(tag, right + x - d), cost), tag, right + x - d);
+      });
     });
   }
 }
@@ -71,7 +72,7 @@ HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
 /// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
 template <typename Cost>
 void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange& range,
-                    const MatcherConstants& constants, RowTerms& terms) {
+                    const MatcherConstants& constants, const RowSpans* spans, RowTerms& terms) {
   const float unit = constants.cost_unit;
   constexpr float kLog2E = 1.44269504F;
   const float factor = -kLog2E / constants.two_sigma_squared;
@@ -81,12 +82,13 @@ void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange&
   float* right = terms.right.log_sum.data();
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    const ColumnSpan span = matchedColumns(width, d);
     const Cost* line = costs.line(i);
-    forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
-      const auto cost = loadCosts(tag, line + x, unit);
-      addExp2(tag, scaledSquare(tag, cost, left_lowest + x, factor), done, left + x);
-      addExp2(tag, scaledSquare(tag, cost, right_lowest + x - d, factor), done, right + x - d);
+    forSpans(spans, width, range, i, [=](const ColumnSpan& span) HWY_ATTR {
+      forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
+        const auto cost = loadCosts(tag, line + x, unit);
+        addExp2(tag, scaledSquare(tag, cost, left_lowest + x, factor), done, left + x);
+        addExp2(tag, scaledSquare(tag, cost, right_lowest + x - d, factor), done, right + x - d);
+      });
     });
   }
 }
@@ -106,11 +108,11 @@ void takeLogarithms(float epsilon, PixelTerms& terms) {
 }
 
 void fillTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-               const MatcherConstants& constants, RowTerms& terms) {
+               const MatcherConstants& constants, const RowSpans* spans, RowTerms& terms) {
   std::visit(
       [&](const auto* row) HWY_ATTR {
-        findLowestCosts(*row, width, range, constants.cost_unit, terms);
-        sumLikelihoods(*row, width, range, constants, terms);
+        findLowestCosts(*row, width, range, constants.cost_unit, spans, terms);
+        sumLikelihoods(*row, width, range, constants, spans, terms);
       },
       costs);
   takeLogarithms(constants.epsilon, terms.left);
@@ -191,13 +193,12 @@ HWY_INLINE void passLikelihoods(const FeatureInput<Cost>& input, const ColumnSpa
 /// in a long one, each vector waits for a long chain of instructions, and too few vectors are under
 /// way at once.
 template <typename Cost, class Sink>
-void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
+void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, const ColumnSpan& span,
                  const DisparityRange& range, int i, const MatcherConstants& constants,
                  const Sink& sink) {
   const int d = range.min + i;
   const FeatureInput<Cost> input{costs.line(i), TermLines(terms.left, 0), TermLines(terms.right, d),
                                  constants};
-  const ColumnSpan span = matchedColumns(width, d);
   HWY_ALIGN float log_costs[2 * kBlock];
   int end = span.begin;
   while (end < span.end) {
@@ -210,13 +211,13 @@ void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, int width,
   }
 }
 
-void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
+void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
                    const DisparityRange& range, int i, const MatcherConstants& constants,
                    const FeatureLines& values) {
   const auto store = [lines = values](auto tag, int feature, int x, auto value)
                          HWY_ATTR { hn::StoreU(value, tag, lines[feature] + x); };
   std::visit([&](const auto* row)
-                 HWY_ATTR { forFeatures(*row, terms, width, range, i, constants, store); },
+                 HWY_ATTR { forFeatures(*row, terms, span, range, i, constants, store); },
              costs);
 }
 
@@ -229,14 +230,14 @@ HWY_INLINE void storeCodes(D tag, V values, float scale, float offset, std::uint
   hn::StoreU(hn::U8FromU32(low_byte), hn::Rebind<std::uint8_t, D>(), codes);
 }
 
-void writeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
+void writeCodes(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
                 const DisparityRange& range, int i, const MatcherConstants& constants,
                 const MatcherCodeMaps& maps, const CodeLines& codes) {
   const auto store = [maps, codes](auto tag, int feature, int x, auto value) HWY_ATTR {
     storeCodes(tag, value, maps[feature].scale, maps[feature].offset, codes[feature] + x);
   };
   std::visit([&](const auto* row)
-                 HWY_ATTR { forFeatures(*row, terms, width, range, i, constants, store); },
+                 HWY_ATTR { forFeatures(*row, terms, span, range, i, constants, store); },
              costs);
 }
 
@@ -275,22 +276,36 @@ void PixelTerms::reserve(int width) {
 }
 
 void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-                     const MatcherConstants& constants, RowTerms& terms) {
+                     const MatcherConstants& constants, RowTerms& terms, const RowSpans* spans) {
   resizeTerms(terms.left, width);
   resizeTerms(terms.right, width);
-  HWY_DYNAMIC_DISPATCH(fillTerms)(costs, width, range, constants, terms);
+  HWY_DYNAMIC_DISPATCH(fillTerms)(costs, width, range, constants, spans, terms);
 }
 
 void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
                      const DisparityRange& range, int i, const MatcherConstants& constants,
                      const FeatureLines& values) {
-  HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, width, range, i, constants, values);
+  computeFeaturesInSpan(costs, terms, matchedColumns(width, range.min + i), range, i, constants,
+                        values);
 }
 
 void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
                   const DisparityRange& range, int i, const MatcherConstants& constants,
                   const MatcherCodeMaps& maps, const CodeLines& codes) {
-  HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, width, range, i, constants, maps, codes);
+  computeCodesInSpan(costs, terms, matchedColumns(width, range.min + i), range, i, constants, maps,
+                     codes);
+}
+
+void computeFeaturesInSpan(const CostRowPointer& costs, const RowTerms& terms,
+                           const ColumnSpan& span, const DisparityRange& range, int i,
+                           const MatcherConstants& constants, const FeatureLines& values) {
+  HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, span, range, i, constants, values);
+}
+
+void computeCodesInSpan(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
+                        const DisparityRange& range, int i, const MatcherConstants& constants,
+                        const MatcherCodeMaps& maps, const CodeLines& codes) {
+  HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, span, range, i, constants, maps, codes);
 }
 
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {

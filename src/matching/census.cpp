@@ -101,14 +101,15 @@ void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_ri
   transform(padded_right, right_);
 }
 
-void CensusMatcher::computeRow(int y, const DisparityRange& range,
-                               CostRow<std::uint8_t>& costs) const {
+void CensusMatcher::computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs,
+                               const RowSpans* spans) const {
   costs.resize(width_, range.count);
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(hammingDistances)
-    (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, d,
-     matchedColumns(width_, d), costs.line(i));
+    forSpans(spans, width_, range, i, [&](const ColumnSpan& span) {
+      HWY_DYNAMIC_DISPATCH(hammingDistances)
+      (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, d, span, costs.line(i));
+    });
   }
 }
 

@@ -43,18 +43,19 @@ void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right, const Matche
 }
 
 void MatcherSet::computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
-                            Scratch& scratch, MatcherCosts& costs) const {
+                            Scratch& scratch, MatcherCosts& costs,
+                            const RowSpans* spans) const {
   if (used[kCensus]) {
-    census_.computeRow(y, range, costs.census);
+    census_.computeRow(y, range, costs.census, spans);
   }
   if (used[kNcc]) {
-    ncc_.computeRow(y, range, scratch.ncc, costs.ncc);
+    ncc_.computeRow(y, range, scratch.ncc, costs.ncc, spans);
   }
   if (used[kZeroMeanSad]) {
-    zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs.zero_mean_sad);
+    zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs.zero_mean_sad, spans);
   }
   if (used[kSobelSad]) {
-    sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs.sobel_sad);
+    sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs.sobel_sad, spans);
   }
 }
 

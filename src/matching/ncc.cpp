@@ -140,7 +140,7 @@ void NccMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right
 }
 
 void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                            CostRow<float>& costs) const {
+                            CostRow<float>& costs, const RowSpans* spans) const {
   const int width = left_.sums.cols;
   costs.resize(width, range.count);
   const Windows left = left_.row(y);
@@ -149,8 +149,9 @@ void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch
   float* columns = scratch.column_sums.data() + 1;
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(correlate)
-    (left, right, d, matchedColumns(width, d), columns, costs.line(i));
+    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
+      HWY_DYNAMIC_DISPATCH(correlate)(left, right, d, span, columns, costs.line(i));
+    });
   }
 }
 

@@ -88,7 +88,7 @@ void SobelSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_
 }
 
 void SobelSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                                 CostRow<std::uint16_t>& costs) const {
+                                 CostRow<std::uint16_t>& costs, const RowSpans* spans) const {
   const int width = left_responses_.cols - 2 * kMatchingBorderPx;
   costs.resize(width, range.count);
   scratch.resize(width);
@@ -96,9 +96,10 @@ void SobelSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& sc
   const Rows right = windowRows(right_responses_, y);
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(sumDifferences)
-    (left, right, d, matchedColumns(width, d), scratch.column_sums.data() + kWindowPx / 2,
-     costs.line(i));
+    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
+      HWY_DYNAMIC_DISPATCH(sumDifferences)
+      (left, right, d, span, scratch.column_sums.data() + kWindowPx / 2, costs.line(i));
+    });
   }
 }
 

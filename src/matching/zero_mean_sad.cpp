@@ -113,7 +113,7 @@ void ZeroMeanSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padd
 }
 
 void ZeroMeanSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                                    CostRow<std::uint16_t>& costs) const {
+                                    CostRow<std::uint16_t>& costs, const RowSpans* spans) const {
   const int width = left_.means.cols;
   const int stride = width + kWindowPx - 1;
   costs.resize(width, range.count);
@@ -122,9 +122,10 @@ void ZeroMeanSadMatcher::computeRow(int y, const DisparityRange& range, Scratch&
   const Windows right = right_.row(y);
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(sumDeviations)
-    (left, right, d, matchedColumns(width, d), stride, scratch.differences.data() + kWindowPx / 2,
-     costs.line(i));
+    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
+      HWY_DYNAMIC_DISPATCH(sumDeviations)
+      (left, right, d, span, stride, scratch.differences.data() + kWindowPx / 2, costs.line(i));
+    });
   }
 }
 

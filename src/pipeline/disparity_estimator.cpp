@@ -13,14 +13,11 @@
 
 #include "cbmv_stereo/optimization/coarse_volume.h"
 #include "cbmv_stereo/optimization/cross_based_aggregation.h"
-#include "cbmv_stereo/optimization/grey_deviation.h"
+#include "cbmv_stereo/optimization/prepared_image.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
-#include "cbmv_stereo/optimization/support_arms.h"
 #include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/optimization/winner_takes_all.h"
-#include "cbmv_stereo/refinement/bilateral_filter.h"
-#include "cbmv_stereo/refinement/interpolation.h"
-#include "cbmv_stereo/refinement/median_filter.h"
+#include "cbmv_stereo/refinement/disparity_refiner.h"
 #include "cbmv_stereo/refinement/subpixel.h"
 #include "cbmv_stereo/volume/per_thread.h"
 #include "cbmv_stereo/volume/volume_builder.h"
@@ -55,20 +52,6 @@ void readConfidence(const MatchingVolume& volume, const cv::Mat& winners,
   });
 }
 
-/// Takes the disparity and half of the confidence from the pixels that failed the check.
-void markUnmatched(StereoResult& result, float invalid) {
-  tbb::parallel_for(0, result.labels.rows, [&](int y) {
-    const auto* labels = result.labels.ptr<std::uint8_t>(y);
-    auto* disparity = result.disparity.ptr<float>(y);
-    auto* confidence = result.confidence.ptr<float>(y);
-    for (int x = 0; x < result.labels.cols; ++x) {
-      const bool failed = labels[x] != kMatch;
-      disparity[x] = failed ? invalid : disparity[x];
-      confidence[x] *= failed ? 0.5F : 1.0F;
-    }
-  });
-}
-
 }  // namespace
 
 class DisparityEstimator::Impl {
@@ -79,8 +62,8 @@ class DisparityEstimator::Impl {
     result.range = options.range;
     {
       const Stopwatch watch(result.times.aggregation_ms);
-      prepare(left, left_);
-      prepare(right, right_);
+      left_.prepare(left, options_.aggregation);
+      right_.prepare(right, options_.aggregation);
     }
     {
       const Stopwatch watch(result.times.sgm_ms);
@@ -103,18 +86,11 @@ class DisparityEstimator::Impl {
       winnerTakesAllAcross(*optimized_, options_.range, across_rows_, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
-    refine(result);
+    refiner_.refine(winners_, options_.range, options_.refinement,
+                    {result.disparity, result.right_disparity, result.labels, result.confidence});
   }
 
  private:
-  /// One of the images with what aggregation and semi-global matching need of it.
-  struct PreparedImage {
-    cv::Mat grey;
-    cv::Mat arms;
-    float deviation = 0;
-    cv::Mat surface;  ///< map of surface_prior.h; empty: unknown
-  };
-
   /// The pair at half the size.
   struct CoarsePair {
     DisparityEstimator estimator;
@@ -133,7 +109,7 @@ class DisparityEstimator::Impl {
   /// surfaces of both views from that. Pixels that fail the left-right check there stay without a
   /// disparity, so that no surface comes from them.
   void findSurfaces(const MatchingVolume& volume) {
-    const cv::Size size = left_.grey.size();
+    const cv::Size size = left_.gray.size();
     if (!findsSurfaces(size, options_)) {
       left_.surface.release();
       right_.surface.release();
@@ -146,8 +122,8 @@ class DisparityEstimator::Impl {
     options.range = halveRange(options_.range);
     options.refinement.fill_occlusions = false;
     options.refinement.fill_mismatches = false;
-    halveImage(left_.grey, coarse_->left);
-    halveImage(right_.grey, coarse_->right);
+    halveImage(left_.gray, coarse_->left);
+    halveImage(right_.gray, coarse_->right);
     halveVolume(volume, options_.range, coarse_->volume);
     coarse_->estimator.estimate(coarse_->left, coarse_->right, options, coarse_->volume,
                                 coarse_->result);
@@ -169,16 +145,6 @@ class DisparityEstimator::Impl {
     winnerTakesAll(*optimized_, View::kRight, options_.range, result.right_disparity);
   }
 
-  void prepare(const cv::Mat& grey, PreparedImage& image) const {
-    image.grey = grey;
-    image.deviation = greyDeviation(grey);
-    const AggregationOptions& aggregation = options_.aggregation;
-    if (aggregation.iterations_before + aggregation.iterations_after > 0) {
-      computeSupportArms(grey, aggregation.arm_length_px,
-                         aggregation.intensity_threshold * image.deviation, image.arms);
-    }
-  }
-
   /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
   /// Leaves the costs in *optimized_.
   void optimize(View view, const MatchingVolume& volume, StageTimes& times) {
@@ -186,7 +152,7 @@ class DisparityEstimator::Impl {
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
     matching_costs_ = &volume;
     aggregate(options_.aggregation.iterations_before, view, reference, other, times);
-    const EdgeImages edges{reference.grey, other.grey,
+    const EdgeImages edges{reference.gray, other.gray,
                            options_.sgm.edge_threshold * reference.deviation,
                            options_.sgm.edge_threshold * other.deviation};
     for (int i = 0; i < options_.sgm.iterations; ++i) {
@@ -226,36 +192,6 @@ class DisparityEstimator::Impl {
     }
   }
 
-  /// Check, filling and filters. The filled pixels take sub-pixel disparities from their
-  /// neighbours.
-  void refine(StereoResult& result) {
-    const RefinementOptions& options = options_.refinement;
-    const DisparityRange& range = options_.range;
-    if (options.left_right_check) {
-      leftRightCheck(winners_, result.right_disparity, range, options.max_left_right_difference_px,
-                     result.labels);
-      replaceUnmatched(result);
-    } else {
-      result.right_disparity.release();
-      result.labels.create(winners_.size(), CV_8UC1);
-      result.labels.setTo(kMatch);
-    }
-    medianFilter(result.disparity, range, options.median_size_px, median_padded_, filtered_);
-    bilateralFilter(filtered_, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
-                    bilateral_padded_, result.disparity);
-  }
-
-  void replaceUnmatched(StereoResult& result) const {
-    const RefinementOptions& options = options_.refinement;
-    markUnmatched(result, options_.range.invalid());
-    if (options.fill_occlusions) {
-      fillOcclusions(result.labels, options_.range, result.disparity);
-    }
-    if (options.fill_mismatches) {
-      fillMismatches(result.labels, options_.range, result.disparity);
-    }
-  }
-
   StereoOptions options_;
   PreparedImage left_;
   PreparedImage right_;
@@ -265,7 +201,6 @@ class DisparityEstimator::Impl {
   OptimizedVolume* spare_ = &second_;
   const MatchingVolume* matching_costs_ = nullptr;  ///< the costs, until a stage has replaced them
   cv::Mat winners_;                                 ///< of the left view, whole pixels
-  cv::Mat filtered_;
 
   std::unique_ptr<CoarsePair> coarse_;
 
@@ -274,8 +209,7 @@ class DisparityEstimator::Impl {
   CostAggregator aggregator_;
   PerThread<std::vector<std::uint8_t>> shift_rows_;
   PerThread<RowAcross> across_rows_;
-  cv::Mat median_padded_;
-  cv::Mat bilateral_padded_;
+  DisparityRefiner refiner_;
 };
 
 bool findsSurfaces(const cv::Size& image_size, const StereoOptions& options) {

@@ -15,6 +15,7 @@
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
 #include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/pipeline/pyramid_matcher.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
 namespace cbmv {
@@ -91,6 +92,10 @@ class StereoMatcher::Impl {
            StereoResult& result) {
     const Stopwatch total(result.times.total_ms);
     const cv::Mat aligned = alignPair(left, right, offset, result);
+    if (searchLevels(left.size(), options_) > 0) {
+      pyramid_.match(left, aligned, options_, *forest_, evaluator_, result);
+      return;
+    }
     {
       const Stopwatch watch(result.times.volume_ms);
       builder_.build(left, aligned, options_.range, *forest_, evaluator_, volume_);
@@ -119,6 +124,7 @@ class StereoMatcher::Impl {
   VolumeBuilder builder_;
   MatchingVolume volume_;
   DisparityEstimator estimator_;
+  PyramidMatcher pyramid_;
 };
 
 StereoMatcher::StereoMatcher(std::shared_ptr<const Forest> forest, const StereoOptions& options)

@@ -6,26 +6,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "parabola.h"
+
 namespace cbmv {
-namespace {
-
-/// Minimum of the parabola through the costs at −1, 0 and 1, which `costs` points to the middle of;
-/// 0 where they have no strict minimum at 0.
-float parabolaMinimum(const std::uint16_t* costs) {
-  const int before = costs[-1];
-  const int here = costs[0];
-  const int after = costs[1];
-  const int curvature = before - 2 * here + after;
-  if (here > before || here > after || curvature == 0) {
-    return 0;
-  }
-  return static_cast<float>(before - after) / static_cast<float>(2 * curvature);
-}
-
-bool isColumn(int x, int width) { return x >= 0 && x < width; }
-
-}  // namespace
-
 void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity) {
   CV_Assert(disparity.type() == CV_32FC1 && costs.disparities() == range.count);
@@ -41,7 +24,8 @@ void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRang
                                d < range.max() && isColumn(matchingColumn(view, x, d - 1), width) &&
                                isColumn(matchingColumn(view, x, d + 1), width);
         if (refinable) {
-          out[x] += parabolaMinimum(costs.pixel(y, x) + (d - range.min));
+          const std::uint16_t* here = costs.pixel(y, x) + (d - range.min);
+          out[x] += parabolaMinimum(here[-1], here[0], here[1]);
         }
       }
     }

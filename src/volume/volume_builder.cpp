@@ -84,24 +84,6 @@ std::size_t hypothesesOfRow(int width, const DisparityRange& range) {
   return static_cast<std::size_t>(width) * range.count;
 }
 
-/// The matchers whose features a tree asks for.
-MatcherSelection askedMatchers(const Forest& forest) {
-  MatcherSelection asked;
-  for (const ObliviousTree& tree : forest.trees) {
-    for (const ObliviousTree::Level& level : tree.levels) {
-      asked.set(level.feature / kFeaturesPerMatcher);
-    }
-  }
-  for (const DecisionTree& tree : forest.general_trees) {
-    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
-      if (!tree.isLeaf(n)) {
-        asked.set(tree.nodes[n].feature / kFeaturesPerMatcher);
-      }
-    }
-  }
-  return asked;
-}
-
 /// Costs of the hypotheses of one disparity of the row: features, their codes, the forest.
 void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width, int d, int i,
                RowWorkspace& workspace) {
@@ -159,6 +141,23 @@ void shiftLine(int width, int d, std::uint8_t* line) {
 }
 
 }  // namespace
+
+MatcherSelection askedMatchers(const Forest& forest) {
+  MatcherSelection asked;
+  for (const ObliviousTree& tree : forest.trees) {
+    for (const ObliviousTree::Level& level : tree.levels) {
+      asked.set(level.feature / kFeaturesPerMatcher);
+    }
+  }
+  for (const DecisionTree& tree : forest.general_trees) {
+    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+      if (!tree.isLeaf(n)) {
+        asked.set(tree.nodes[n].feature / kFeaturesPerMatcher);
+      }
+    }
+  }
+  return asked;
+}
 
 class VolumeBuilder::Impl {
  public:

@@ -59,9 +59,11 @@ struct RowTerms {
   PixelTerms right;
 };
 
-/// Computes `terms` of one matcher from its costs of a row of `width` columns.
+/// Computes `terms` of one matcher from its costs of a row of `width` columns; from those of `spans`
+/// alone where they are given.
 void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-                     const MatcherConstants& constants, RowTerms& terms);
+                     const MatcherConstants& constants, RowTerms& terms,
+                     const RowSpans* spans = nullptr);
 
 /// The features of one matcher at one disparity: `values[feature]` points to `width` values, of
 /// which those in matchedColumns(width, range.min + i) are written.
@@ -91,5 +93,13 @@ using CodeLines = std::array<std::uint8_t*, kFeaturesPerMatcher>;
 void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
                   const DisparityRange& range, int i, const MatcherConstants& constants,
                   const MatcherCodeMaps& maps, const CodeLines& codes);
+
+/// The same of the columns `span` alone, which lie inside of matchedColumns(width, range.min + i).
+void computeFeaturesInSpan(const CostRowPointer& costs, const RowTerms& terms,
+                           const ColumnSpan& span, const DisparityRange& range, int i,
+                           const MatcherConstants& constants, const FeatureLines& values);
+void computeCodesInSpan(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
+                        const DisparityRange& range, int i, const MatcherConstants& constants,
+                        const MatcherCodeMaps& maps, const CodeLines& codes);
 
 }  // namespace cbmv

@@ -20,8 +20,9 @@ class CensusMatcher {
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y, in [0, 120].
-  void computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs) const;
+  /// Costs of row y, in [0, 120]; of `spans` alone where they are given.
+  void computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs,
+                  const RowSpans* spans = nullptr) const;
 
  private:
   std::size_t rowOffset(int y) const { return static_cast<std::size_t>(y) * kBytes * width_; }

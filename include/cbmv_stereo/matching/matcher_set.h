@@ -58,9 +58,9 @@ class MatcherSet {
                const MatcherSelection& used = allMatchers());
 
   /// Costs of row y by the matchers `used`, all of them prepared; those of the others stay as they
-  /// are.
+  /// are. Of `spans` alone where they are given.
   void computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
-                  Scratch& scratch, MatcherCosts& costs) const;
+                  Scratch& scratch, MatcherCosts& costs, const RowSpans* spans = nullptr) const;
 
  private:
   cv::Mat padded_left_;

@@ -25,9 +25,9 @@ class NccMatcher {
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                  CostRow<float>& costs) const;
+  /// Costs of row y; of `spans` alone where they are given.
+  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow<float>& costs,
+                  const RowSpans* spans = nullptr) const;
 
   /// What is known of the windows of one row; pointers to column 0.
   using Rows = std::array<const float*, kWindowPx>;

@@ -29,7 +29,7 @@ class SobelSadMatcher {
 
   /// Costs of row y.
   void computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                  CostRow<std::uint16_t>& costs) const;
+                  CostRow<std::uint16_t>& costs, const RowSpans* spans = nullptr) const;
 
   /// The responses in the windows of one row; pointers to column 0.
   using Rows = std::array<const std::int16_t*, kWindowPx>;

@@ -32,7 +32,7 @@ class ZeroMeanSadMatcher {
 
   /// Costs of row y.
   void computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                  CostRow<std::uint16_t>& costs) const;
+                  CostRow<std::uint16_t>& costs, const RowSpans* spans = nullptr) const;
 
   /// What is known of the windows of one row, in quarters of a grey level; pointers to column 0.
   using Rows = std::array<const std::int16_t*, kWindowPx>;

@@ -5,6 +5,7 @@
 #include "cbmv_stereo/optimization/options.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/refinement/options.h"
+#include "cbmv_stereo/search/options.h"
 #include "cbmv_stereo/volume/disparity_range.h"
 
 namespace cbmv {
@@ -14,6 +15,7 @@ namespace cbmv {
 struct StereoOptions {
   DisparityRange range;
   RectificationOptions rectification;
+  SearchOptions search;
   AggregationOptions aggregation;
   SurfaceOptions surface;
   SgmOptions sgm;

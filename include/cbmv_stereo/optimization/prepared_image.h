@@ -1,0 +1,20 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/optimization/options.h"
+
+namespace cbmv {
+
+/// One image of a pair with what aggregation and semi-global matching need of it.
+struct PreparedImage {
+  cv::Mat gray;         ///< CV_8UC1
+  cv::Mat arms;         ///< computeSupportArms; empty if there is no aggregation
+  float deviation = 0;  ///< greyDeviation
+  cv::Mat surface;      ///< map of surface_prior.h; empty: unknown
+
+  /// Sets all but the surface; memory is reused.
+  void prepare(const cv::Mat& image, const AggregationOptions& options);
+};
+
+}  // namespace cbmv

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/per_thread.h"
+#include "cbmv_stereo/volume/search_space.h"
+
+namespace cbmv {
+
+/// Cheapest disparity of every pixel among the hypotheses of the space whose match lies inside of
+/// the other image; the smallest such disparity on ties. `disparity` becomes CV_32FC1 of whole
+/// pixels; range.invalid() where there is none. Parallel over rows by oneTBB.
+void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& costs, View view,
+                     cv::Mat& disparity);
+
+/// Entries of a tile that lie inside of the right image whole: [begin, end) of its list.
+struct TileEntries {
+  const std::uint16_t* costs;  ///< of the first entry of the list
+  const std::int16_t* indices;
+  int begin;
+  int end;
+};
+
+/// Memory for the winners of a row of the right image.
+struct RightWinnersRow {
+  std::vector<std::uint16_t> lowest;   ///< costs
+  std::vector<std::uint16_t> winners;  ///< indices of disparities
+  std::vector<TileEntries> tiles;
+};
+
+/// The same for the pixels of the right image, from the costs of the left view: the winner of
+/// (x, y) is the smallest d that minimizes left_costs(x + d, y, d).
+void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolume& left_costs,
+                           PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity);
+
+/// 1 − cost / 255 of the matching cost of each pixel's winner: the forest's probability; 0 where there
+/// is no winner. `winners` is CV_32FC1 of whole pixels of the space, `confidence` becomes CV_32FC1.
+/// Parallel over rows by oneTBB.
+void readWindowedConfidence(const SearchSpace& space, const WindowedMatchingVolume& costs,
+                            const cv::Mat& winners, cv::Mat& confidence);
+
+}  // namespace cbmv

@@ -1,0 +1,150 @@
+#include "cbmv_stereo/pipeline/pyramid_matcher.h"
+
+#include <algorithm>
+#include <deque>
+
+#include "stopwatch.h"
+
+#include "cbmv_stereo/optimization/coarse_volume.h"
+#include "cbmv_stereo/optimization/surface_prior.h"
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/windowed_estimator.h"
+#include "cbmv_stereo/search/mutual_matches.h"
+#include "cbmv_stereo/search/search_windows.h"
+#include "cbmv_stereo/volume/windowed_volume_builder.h"
+
+namespace cbmv {
+namespace {
+
+constexpr int kSmallestSidePx = 32;
+
+void addTimes(const StageTimes& more, StageTimes& times) {
+  times.volume_ms += more.volume_ms;
+  times.aggregation_ms += more.aggregation_ms;
+  times.sgm_ms += more.sgm_ms;
+  times.refinement_ms += more.refinement_ms;
+}
+
+}  // namespace
+
+int searchLevels(const cv::Size& image_size, const StereoOptions& options) {
+  int levels = 0;
+  int side = std::min(image_size.width, image_size.height) / 2;
+  for (; levels < options.search.levels && side >= kSmallestSidePx; side /= 2) {
+    ++levels;
+  }
+  return levels;
+}
+
+class PyramidMatcher::Impl {
+ public:
+  void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
+             const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result) {
+    const int coarser = searchLevels(left.size(), options);
+    while (static_cast<int>(levels_.size()) < coarser) {
+      levels_.emplace_back();
+    }
+    const cv::Mat* left_image = &left;
+    const cv::Mat* right_image = &right;
+    DisparityRange range = options.range;
+    for (int i = 0; i < coarser; ++i) {
+      Level& level = levels_[i];
+      halveImage(*left_image, level.left);
+      halveImage(*right_image, level.right);
+      range = halveRange(range);
+      level.range = range;
+      left_image = &level.left;
+      right_image = &level.right;
+    }
+    const Level* before = nullptr;
+    for (int i = coarser - 1; i >= 0; --i) {
+      Level& level = levels_[i];
+      level.result.times = {};
+      matchLevel(level.left, level.right, level.range, before, options, forest, evaluator,
+                 level.stages, level.result);
+      addTimes(level.result.times, result.times);
+      before = &level;
+    }
+    matchLevel(left, right, options.range, before, options, forest, evaluator, finest_, result);
+  }
+
+ private:
+  /// Memory of the stages of one level.
+  struct Stages {
+    MutualMatcher mutual;
+    SearchWindows windows;
+    WindowedVolumeBuilder builder;
+    WindowedEstimator estimator;
+    SurfacePrior prior;
+    cv::Mat matches;
+    cv::Mat matched;  ///< disparities of the level before without those that failed the check
+    SurfaceMaps surfaces;
+    SearchSpace space;
+    WindowedMatchingVolume volume;
+  };
+
+  /// A level below the full size.
+  struct Level {
+    cv::Mat left;
+    cv::Mat right;
+    DisparityRange range;
+    Stages stages;
+    StereoResult result;
+  };
+
+  /// `before` is the coarser level; null: the level is searched exhaustively.
+  static void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                         const Level* before, const StereoOptions& options, const Forest& forest,
+                         const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
+    {
+      const Stopwatch watch(result.times.volume_ms);
+      if (before == nullptr) {
+        stages.space.buildExhaustive(left.rows, left.cols, range);
+      } else {
+        stages.mutual.find(left, right, range, stages.matches);
+        stages.windows.build(before->result.disparity, before->result.range.invalid(),
+                             stages.matches, range, options.search, stages.space);
+      }
+      stages.builder.build(left, right, stages.space, forest, evaluator, stages.volume);
+    }
+    {
+      const Stopwatch watch(result.times.sgm_ms);
+      findSurfaces(left.size(), before, options, stages);
+    }
+    stages.estimator.estimate(left, right, stages.surfaces, options, stages.space, stages.volume,
+                              result);
+  }
+
+  /// Pixels that fail the left-right check of the coarser level do not count.
+  static void findSurfaces(const cv::Size& size, const Level* before, const StereoOptions& options,
+                           Stages& stages) {
+    if (before == nullptr || !findsSurfaces(size, options)) {
+      stages.surfaces = {};
+      return;
+    }
+    const StereoResult& coarse = before->result;
+    const float invalid = coarse.range.invalid();
+    const float reach_px = options.surface.reach_px;
+    coarse.disparity.copyTo(stages.matched);
+    stages.matched.setTo(invalid, coarse.labels != kMatch);
+    stages.prior.estimate(stages.matched, invalid, reach_px, size, stages.surfaces.left);
+    if (options.refinement.left_right_check && options.refinement.optimize_right_view) {
+      stages.prior.estimate(coarse.right_disparity, invalid, reach_px, size,
+                            stages.surfaces.right);
+    }
+  }
+
+  std::deque<Level> levels_;  ///< half the size first
+  Stages finest_;
+};
+
+PyramidMatcher::PyramidMatcher() : impl_(std::make_unique<Impl>()) {}
+PyramidMatcher::~PyramidMatcher() = default;
+
+void PyramidMatcher::match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
+                           const Forest& forest, const ForestEvaluator& evaluator,
+                           StereoResult& result) {
+  impl_->match(left, right, options, forest, evaluator, result);
+}
+
+}  // namespace cbmv

@@ -1,0 +1,59 @@
+#include "cbmv_stereo/refinement/disparity_refiner.h"
+
+#include <cstdint>
+
+#include <tbb/parallel_for.h>
+
+#include "cbmv_stereo/refinement/bilateral_filter.h"
+#include "cbmv_stereo/refinement/interpolation.h"
+#include "cbmv_stereo/refinement/left_right_check.h"
+#include "cbmv_stereo/refinement/median_filter.h"
+
+namespace cbmv {
+namespace {
+
+/// Takes the disparity and half of the confidence from the pixels that failed the check.
+void markUnmatched(const RefinedMaps& maps, float invalid) {
+  tbb::parallel_for(0, maps.labels.rows, [&](int y) {
+    const auto* labels = maps.labels.ptr<std::uint8_t>(y);
+    auto* disparity = maps.disparity.ptr<float>(y);
+    auto* confidence = maps.confidence.ptr<float>(y);
+    for (int x = 0; x < maps.labels.cols; ++x) {
+      const bool failed = labels[x] != kMatch;
+      disparity[x] = failed ? invalid : disparity[x];
+      confidence[x] *= failed ? 0.5F : 1.0F;
+    }
+  });
+}
+
+}  // namespace
+
+void DisparityRefiner::refine(const cv::Mat& winners, const DisparityRange& range,
+                              const RefinementOptions& options, const RefinedMaps& maps) {
+  if (options.left_right_check) {
+    leftRightCheck(winners, maps.right_disparity, range, options.max_left_right_difference_px,
+                   maps.labels);
+    replaceUnmatched(range, options, maps);
+  } else {
+    maps.right_disparity.release();
+    maps.labels.create(winners.size(), CV_8UC1);
+    maps.labels.setTo(kMatch);
+  }
+  medianFilter(maps.disparity, range, options.median_size_px, median_padded_, filtered_);
+  bilateralFilter(filtered_, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
+                  bilateral_padded_, maps.disparity);
+}
+
+void DisparityRefiner::replaceUnmatched(const DisparityRange& range,
+                                        const RefinementOptions& options,
+                                        const RefinedMaps& maps) {
+  markUnmatched(maps, range.invalid());
+  if (options.fill_occlusions) {
+    fillOcclusions(maps.labels, range, maps.disparity);
+  }
+  if (options.fill_mismatches) {
+    fillMismatches(maps.labels, range, maps.disparity);
+  }
+}
+
+}  // namespace cbmv

@@ -1,0 +1,195 @@
+#include "cbmv_stereo/optimization/windowed_winners.h"
+
+#include <algorithm>
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "support/random_images.h"
+#include "support/random_search_space.h"
+#include "support/simd_targets.h"
+
+#include "cbmv_stereo/refinement/windowed_subpixel.h"
+#include "cbmv_stereo/volume/windowed_right_view.h"
+
+namespace cbmv {
+namespace {
+
+constexpr int kNone = 1 << 20;
+
+/// A cost at every hypothesis of a space, with many ties; what lies outside is the lowest.
+template <typename Cost>
+WindowedVolume<Cost> randomCosts(const SearchSpace& space, std::uint32_t seed, int highest) {
+  WindowedVolume<Cost> costs;
+  costs.resize(space);
+  std::mt19937 random(seed);
+  for (std::size_t e = 0; e < space.entries(); ++e) {
+    for (int c = 0; c < kTileColumns; ++c) {
+      costs.entry(e)[c] = static_cast<Cost>(random() % static_cast<unsigned>(highest));
+    }
+  }
+  return costs;
+}
+
+/// The cost of (x, i); kNone where it does not belong to the space or lies outside.
+template <typename Cost>
+int costAt(const SearchSpace& space, const WindowedVolume<Cost>& costs, View view, int y, int x,
+           int i) {
+  if (x < 0 || x >= space.width()) {
+    return kNone;
+  }
+  const int match = matchingColumn(view, x, space.range().min + i);
+  const SearchSpace::Tile tile = space.tile(y, x / kTileColumns);
+  const auto* end = tile.indices + tile.count;
+  const auto* found = std::find(tile.indices, end, i);
+  if (match < 0 || match >= space.width() || found == end) {
+    return kNone;
+  }
+  return costs.entry(tile.first_entry + static_cast<std::size_t>(found - tile.indices))
+      [x % kTileColumns];
+}
+
+/// Index of the cheapest of the range; −1: none.
+template <typename CostOf>
+int cheapest(int count, const CostOf& cost_of) {
+  int best = -1;
+  for (int i = 0; i < count; ++i) {
+    if (cost_of(i) != kNone && (best < 0 || cost_of(i) < cost_of(best))) {
+      best = i;
+    }
+  }
+  return best;
+}
+
+void forSpaces(const std::function<void(const SearchSpace&)>& check) {
+  for (const test::Shape& shape : test::awkwardShapes()) {
+    SCOPED_TRACE(shape);
+    check(test::makeSearchSpace(shape.height, shape.width, shape.range, 7));
+    SearchSpace exhaustive;
+    exhaustive.buildExhaustive(shape.height, shape.width, shape.range);
+    check(exhaustive);
+  }
+}
+
+template <typename Check>
+void forPixels(const SearchSpace& space, const Check& check) {
+  for (int y = 0; y < space.height(); ++y) {
+    for (int x = 0; x < space.width(); ++x) {
+      check(y, x);
+    }
+  }
+}
+
+TEST(WindowedWinners, EqualPlainLoopsOnEveryInstructionSet) {
+  test::onEverySimdTarget([] {
+    forSpaces([](const SearchSpace& space) {
+      const auto costs = randomCosts<std::uint16_t>(space, 3, 40);
+      for (const View view : {View::kLeft, View::kRight}) {
+        cv::Mat found;
+        windowedWinners(space, costs, view, found);
+        forPixels(space, [&](int y, int x) {
+          const int best = cheapest(space.range().count, [&](int i) {
+            return costAt(space, costs, view, y, x, i);
+          });
+          ASSERT_EQ(found.at<float>(y, x), space.range().min + best) << view << y << ", " << x;
+        });
+      }
+    });
+  });
+}
+
+TEST(WindowedWinners, AcrossEqualPlainLoopsOnEveryInstructionSet) {
+  test::onEverySimdTarget([] {
+    PerThread<RightWinnersRow> scratch;  // keeps its memory
+    forSpaces([&](const SearchSpace& space) {
+      const auto costs = randomCosts<std::uint16_t>(space, 4, 40);
+      cv::Mat found;
+      windowedWinnersAcross(space, costs, scratch, found);
+      forPixels(space, [&](int y, int x) {
+        const int best = cheapest(space.range().count, [&](int i) {
+          return costAt(space, costs, View::kLeft, y, x + space.range().min + i, i);
+        });
+        ASSERT_EQ(found.at<float>(y, x), space.range().min + best) << y << ", " << x;
+      });
+    });
+  });
+}
+
+TEST(WindowedConfidence, IsThatOfTheWinner) {
+  forSpaces([](const SearchSpace& space) {
+    const auto costs = randomCosts<std::uint16_t>(space, 5, 1000);
+    const auto matching = randomCosts<std::uint8_t>(space, 6, 256);
+    cv::Mat winners, confidence;
+    windowedWinners(space, costs, View::kLeft, winners);
+    readWindowedConfidence(space, matching, winners, confidence);
+    forPixels(space, [&](int y, int x) {
+      const int index = static_cast<int>(winners.at<float>(y, x)) - space.range().min;
+      const int cost = costAt(space, matching, View::kLeft, y, x, index);
+      const float expected =
+          cost == kNone ? 0.0F : 1.0F - static_cast<float>(cost) / 255.0F;
+      ASSERT_EQ(confidence.at<float>(y, x), expected);
+    });
+  });
+}
+
+TEST(WindowedSubpixel, EqualsPlainLoops) {
+  forSpaces([](const SearchSpace& space) {
+    const auto costs = randomCosts<std::uint16_t>(space, 8, 60);
+    for (const View view : {View::kLeft, View::kRight}) {
+      cv::Mat winners;
+      windowedWinners(space, costs, view, winners);
+      cv::Mat refined = winners.clone();
+      refineWindowedSubpixel(space, costs, view, refined);
+      forPixels(space, [&](int y, int x) {
+        const int index = static_cast<int>(winners.at<float>(y, x)) - space.range().min;
+        const auto cost = [&](int i) { return costAt(space, costs, view, y, x, i); };
+        float expected = winners.at<float>(y, x);
+        const bool has_neighbours = index > 0 && index + 1 < space.range().count &&
+                                    cost(index - 1) != kNone && cost(index + 1) != kNone;
+        if (has_neighbours && cost(index - 1) - 2 * cost(index) + cost(index + 1) != 0) {
+          expected += static_cast<float>(cost(index - 1) - cost(index + 1)) /
+                      static_cast<float>(
+                          2 * (cost(index - 1) - 2 * cost(index) + cost(index + 1)));
+        }
+        ASSERT_EQ(refined.at<float>(y, x), expected) << view << y << ", " << x;
+      });
+    }
+  });
+}
+
+TEST(WindowedRightView, EqualsPlainLoops) {
+  WindowedRightView view;  // keeps its memory
+  SearchSpace right;
+  WindowedMatchingVolume right_costs;
+  forSpaces([&](const SearchSpace& left) {
+    const auto costs = randomCosts<std::uint8_t>(left, 9, 256);
+    view.build(left, costs, right, right_costs);
+    const auto left_cost = [&](int y, int x, int i) {
+      return costAt(left, costs, View::kLeft, y, x + left.range().min + i, i);
+    };
+    ASSERT_EQ(right.tiles(), left.tiles());
+    for (int y = 0; y < left.height(); ++y) {
+      for (int t = 0; t < right.tiles(); ++t) {
+        const SearchSpace::Tile tile = right.tile(y, t);
+        for (int i = 0; i < left.range().count; ++i) {
+          const auto* found = std::find(tile.indices, tile.indices + tile.count, i);
+          bool is_matched = false;
+          for (int c = 0; c < kTileColumns && t * kTileColumns + c < left.width(); ++c) {
+            const int expected = left_cost(y, t * kTileColumns + c, i);
+            is_matched = is_matched || expected != kNone;
+            if (found != tile.indices + tile.count) {
+              const std::size_t entry =
+                  tile.first_entry + static_cast<std::size_t>(found - tile.indices);
+              ASSERT_EQ(right_costs.entry(entry)[c], expected == kNone ? kOutsideCost : expected);
+            }
+          }
+          ASSERT_EQ(found != tile.indices + tile.count, is_matched) << y << " " << t << " " << i;
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace cbmv

@@ -1,0 +1,161 @@
+#include "cbmv_stereo/pipeline/pyramid_matcher.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "support/forest_fixture.h"
+#include "support/rendered_stereo_scene.h"
+
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/pipeline/windowed_estimator.h"
+#include "cbmv_stereo/volume/volume_builder.h"
+#include "cbmv_stereo/volume/windowed_volume_builder.h"
+
+namespace cbmv {
+namespace {
+
+const Forest kForest = makeForestFixture();
+
+StereoOptions optionsOf(const char* preset, int disparities, int levels) {
+  StereoOptions options;
+  readPreset(std::string(CBMV_SOURCE_DIR "/config/") + preset + ".yaml", options);
+  options.range = {0, disparities};
+  options.rectification.enabled = false;
+  options.search.levels = levels;
+  return options;
+}
+
+/// With the whole range in every tile, each windowed stage gives what the dense one gives.
+TEST(WindowedEstimator, AnExhaustiveSpaceGivesTheDenseResult) {
+  const RenderedScene scene = renderScene(150, 90, 4);
+  const ForestEvaluator evaluator(kForest);
+  for (const char* preset : {"quality", "balanced", "realtime", "kitti"}) {
+    SCOPED_TRACE(preset);
+    StereoOptions options = optionsOf(preset, 33, 0);
+    options.surface.enabled = false;
+    MatchingVolume dense;
+    VolumeBuilder().build(scene.left, scene.right, options.range, kForest, evaluator, dense);
+    StereoResult expected;
+    DisparityEstimator().estimate(scene.left, scene.right, options, dense, expected);
+    SearchSpace space;
+    space.buildExhaustive(scene.left.rows, scene.left.cols, options.range);
+    WindowedMatchingVolume volume;
+    WindowedVolumeBuilder().build(scene.left, scene.right, space, kForest, evaluator, volume);
+    StereoResult found;
+    WindowedEstimator().estimate(scene.left, scene.right, {}, options, space, volume, found);
+    EXPECT_TRUE(same(found.disparity, expected.disparity));
+    EXPECT_TRUE(same(found.confidence, expected.confidence));
+    EXPECT_TRUE(same(found.labels, expected.labels));
+    EXPECT_TRUE(same(found.right_disparity, expected.right_disparity));
+  }
+}
+
+StereoResult match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options) {
+  StereoMatcher matcher(std::make_shared<const Forest>(kForest), options);
+  return matcher.match(left, right);
+}
+
+double wrongShare(const StereoResult& result, const RenderedScene& scene) {
+  int wrong = 0;
+  int known = 0;
+  for (int y = 0; y < scene.truth.rows; ++y) {
+    for (int x = 0; x < scene.truth.cols; ++x) {
+      if (scene.visible.at<uchar>(y, x) != 0) {
+        ++known;
+        wrong += std::abs(result.disparity.at<float>(y, x) - scene.truth.at<float>(y, x)) > 1;
+      }
+    }
+  }
+  return static_cast<double>(wrong) / known;
+}
+
+TEST(PyramidMatcher, IsAsRightAsTheExhaustiveSearch) {
+  const RenderedScene scene = renderScene(320, 240, 2);
+  for (const char* preset : {"quality", "realtime"}) {
+    const double full = wrongShare(match(scene.left, scene.right, optionsOf(preset, 48, 0)), scene);
+    for (const int levels : {1, 2, 3}) {
+      const StereoResult result = match(scene.left, scene.right, optionsOf(preset, 48, levels));
+      EXPECT_LE(wrongShare(result, scene), full + 0.01) << preset << ", levels " << levels;
+    }
+  }
+}
+
+/// Poles that the coarse levels do not see.
+TEST(PyramidMatcher, FindsThinObjectsAsTheExhaustiveSearchDoes) {
+  constexpr int kFarPx = 4;
+  constexpr int kNearPx = 40;
+  cv::Mat left(160, 320, CV_8UC1);
+  cv::RNG random(3);
+  random.fill(left, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(left, left, {5, 5}, 1.2);
+  cv::Mat right(left.size(), CV_8UC1);
+  for (int x = 0; x < left.cols; ++x) {
+    left.col(std::min(x + kFarPx, left.cols - 1)).copyTo(right.col(x));
+  }
+  cv::Mat truth(left.size(), CV_32FC1, cv::Scalar(kFarPx));
+  cv::Mat poles(left.size(), CV_8UC1, cv::Scalar(0));
+  int x = 60;
+  for (const int width : {3, 5, 8, 3, 5, 8}) {
+    cv::Mat pole(left.rows, width, CV_8UC1);
+    random.fill(pole, cv::RNG::UNIFORM, 60, 256);
+    cv::GaussianBlur(pole, pole, {3, 3}, 0.8);
+    pole.copyTo(left(cv::Rect(x, 0, width, left.rows)));
+    pole.copyTo(right(cv::Rect(x - kNearPx, 0, width, left.rows)));
+    poles(cv::Rect(x, 0, width, left.rows)) = 255;
+    x += 42;
+  }
+  const auto recall = [&](int levels) {
+    const cv::Mat disparity = match(left, right, optionsOf("realtime", 64, levels)).disparity;
+    const cv::Mat found = (cv::abs(disparity - kNearPx) <= 1) & poles;
+    return static_cast<double>(cv::countNonZero(found)) / cv::countNonZero(poles);
+  };
+  const double full = recall(0);
+  ASSERT_GT(full, 0.5);
+  EXPECT_GT(recall(1), full - 0.03);
+  EXPECT_GT(recall(3), full - 0.03);
+}
+
+TEST(PyramidMatcher, DependsNeitherOnThreadsNorOnEarlierPairs) {
+  const RenderedScene scene = renderScene(230, 150, 5);
+  StereoOptions options = optionsOf("quality", 40, 2);
+  options.threads = 1;
+  const cv::Mat expected = match(scene.left, scene.right, options).disparity;
+  options.threads = 4;
+  StereoMatcher matcher(std::make_shared<const Forest>(kForest), options);
+  const RenderedScene other = renderScene(260, 140, 6);
+  matcher.match(other.left, other.right);
+  EXPECT_TRUE(same(matcher.match(scene.left, scene.right).disparity, expected));
+}
+
+TEST(PyramidMatcher, SmallImagesHaveFewerLevels) {
+  StereoOptions options;
+  options.search.levels = 3;
+  EXPECT_EQ(searchLevels({640, 480}, options), 3);
+  EXPECT_EQ(searchLevels({640, 128}, options), 2);
+  EXPECT_EQ(searchLevels({640, 64}, options), 1);
+  EXPECT_EQ(searchLevels({60, 480}, options), 0);
+  options.search.levels = 0;
+  EXPECT_EQ(searchLevels({640, 480}, options), 0);
+}
+
+/// Of sizes and ranges that leave next to nothing at the coarse levels.
+TEST(PyramidMatcher, TakesAwkwardSizesAndRanges) {
+  for (const cv::Size size : {cv::Size(65, 67), cv::Size(131, 66), cv::Size(97, 129)}) {
+    const RenderedScene scene = renderScene(size.width, size.height, 1);
+    for (const DisparityRange range : {DisparityRange{0, 1}, DisparityRange{-20, 7},
+                                       DisparityRange{-9, 30}, DisparityRange{0, size.width},
+                                       DisparityRange{size.width - 3, 3}}) {
+      StereoOptions options = optionsOf("quality", 1, 3);
+      options.range = range;
+      const StereoResult result = match(scene.left, scene.right, options);
+      EXPECT_EQ(result.disparity.size(), size);
+      EXPECT_EQ(result.range.count, range.count);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cbmv
