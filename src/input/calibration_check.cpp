@@ -56,7 +56,7 @@ bool hasRoi(const CameraCalibration& camera) {
 }
 
 bool hasUnknownSize(const CameraCalibration& camera) {
-  return !hasRoi(camera) && (camera.width <= 0 || camera.height <= 0);
+  return !hasRoi(camera) && camera.width <= 0 && camera.height <= 0;
 }
 
 /// Size of the images that belong to the calibration.
