@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "offline/double_rectification.h"
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
 #include "offline/other_file.h"
@@ -195,6 +196,13 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
     summary.problems.push_back(problems.nothing_to_process);
   }
   summary.warnings = problems.others;
+  if (summary.plan.topics.left.raw && !summary.plan.frames.empty()) {
+    const std::string warning = doubleRectificationWarning(
+        summary.plan.topics, summary.plan.frames.front(), options.matching.stereo);
+    if (!warning.empty()) {
+      summary.warnings.push_back(warning);
+    }
+  }
   return summary;
 }
 

@@ -1,16 +1,20 @@
 #include "offline/frame_loader.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
 
 #include <boost/make_shared.hpp>
-#include <cv_bridge/cv_bridge.h>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
 #include "io/image_decoding.h"
+#include "ros/camera_info.h"
 #include "ros/image_conversion.h"
+
+#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/input/gray_pair.h"
 
 namespace cbmv {
 namespace {
@@ -39,17 +43,6 @@ std::string encodingOf(const cv::Mat& image, const std::string& format) {
   return deep ? encodings::BGRA16 : encodings::BGRA8;
 }
 
-bool isPlainGrey(const std::string& encoding) {
-  return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
-}
-
-/// cv_bridge takes plain channels for no image of light.
-sensor_msgs::ImageConstPtr renamed(const sensor_msgs::ImageConstPtr& plain) {
-  const auto image = boost::make_shared<sensor_msgs::Image>(*plain);
-  image->encoding = plain->encoding == encodings::TYPE_16UC1 ? encodings::MONO16 : encodings::MONO8;
-  return image;
-}
-
 void requireSize(const cv::Size& size, const cv::Size& described, const std::string& topic) {
   if (size != described) {
     throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(size) +
@@ -58,67 +51,110 @@ void requireSize(const cv::Size& size, const cv::Size& described, const std::str
   }
 }
 
+[[noreturn]] void failCalibration(const std::string& topic, const std::string& problem) {
+  throw InputError(InputFault::kUncalibrated, topic + " is raw, but its camera_info " + problem);
+}
+
 /// image_geometry makes maps of the whole sensor, of which the image may be a small part.
 void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& topic) {
   if (std::uint64_t{info.width} * info.height > kMaxImagePixels) {
     throw InputError(InputFault::kCameraInfoSize,
                      topic + " is raw, and its camera_info describes a sensor of " +
-                         std::to_string(info.width) + 'x' + std::to_string(info.height) + "; " +
-                         std::to_string(kMaxImagePixels) + " pixels at most would be right");
+                         std::to_string(info.width) + 'x' + std::to_string(info.height) +
+                         " pixels, expected at most " + std::to_string(kMaxImagePixels) +
+                         ". Correct width and height.");
   }
 }
 
-using CameraModel = image_geometry::PinholeCameraModel;
+/// Coefficients of each model.
+struct DistortionModel {
+  const char* name;
+  std::size_t coefficients;
+};
+constexpr std::array<DistortionModel, 3> kDistortionModels = {
+    {{"plumb_bob", 5}, {"rational_polynomial", 8}, {"equidistant", 4}}};
 
-/// With the maps of the rectification: from then on the model is only read.
-std::shared_ptr<const CameraModel> withMaps(const std::shared_ptr<CameraModel>& camera) {
-  cv::Mat ignored;  // the first image, of any size, makes the maps
-  camera->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
-  return camera;
+const DistortionModel& findModel(const CameraCalibration& camera, const std::string& topic) {
+  if (camera.distortion_model.empty() && hasNoCoefficients(camera)) {
+    return kDistortionModels.front();  // simulators
+  }
+  for (const DistortionModel& model : kDistortionModels) {
+    if (camera.distortion_model == model.name) {
+      return model;
+    }
+  }
+  failCalibration(topic, "has the unknown distortion model " + quoted(camera.distortion_model) +
+                             ". Expected plumb_bob, rational_polynomial or equidistant. Name the "
+                             "model of these that the coefficients D are of.");
+}
+
+/// The calibration as image_geometry takes it.
+sensor_msgs::CameraInfo completed(sensor_msgs::CameraInfo info, const std::string& topic,
+                                  cv::Size raw) {
+  const CameraCalibration camera = toCameraCalibration(info);
+  if (info.K[0] == 0) {
+    failCalibration(topic, "has no calibration (K[0] = 0), so it cannot be rectified. Calibrate "
+                           "the camera, or use --rectified yes for images that are rectified.");
+  }
+  if (!isRotation(camera.rectification)) {
+    failCalibration(topic, "has R that is no rotation. Expected an orthonormal matrix, the "
+                           "identity for a camera that is not turned. Calibrate the cameras, or "
+                           "set R.");
+  }
+  const DistortionModel& model = findModel(camera, topic);
+  info.distortion_model = model.name;
+  if (hasNoCoefficients(camera)) {
+    info.D.assign(model.coefficients, 0.0);
+    info.D[0] = 1e-300;  // image_geometry does not rectify where all are zero
+  }
+  if (info.width == 0 && info.height == 0) {
+    info.width = static_cast<std::uint32_t>(raw.width * camera.binning_x);
+    info.height = static_cast<std::uint32_t>(raw.height * camera.binning_y);
+  }
+  return info;
 }
 
 }  // namespace
 
-std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& info,
-                                              const std::string& topic,
-                                              const sensor_msgs::Image& raw) {
-  if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
-    throw InputError(InputFault::kUncalibrated,
-                     topic +
-                         " is raw, but its camera_info has no calibration, so it cannot be "
-                         "rectified");
-  }
-  requireSensor(info, topic);
-  auto camera = std::make_shared<CameraModel>();
+RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw) {
+  const sensor_msgs::CameraInfo calibration = completed(info, topic, raw);
+  requireSensor(calibration, topic);
   try {
-    camera->fromCameraInfo(info);
-    requireSize(imageSize(raw), camera->reducedResolution(), topic);  // before maps take memory
-    return withMaps(camera);
+    model_.fromCameraInfo(calibration);
+    size_ = model_.reducedResolution();
+    requireSize(raw, size_, topic);  // before maps take memory
+    is_identity_ = isIdentity(toCameraCalibration(info));
+    if (!is_identity_) {
+      // The first image, of any size, makes the maps; from then on the model is only read.
+      cv::Mat ignored;
+      model_.rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
+    }
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // OpenCV's and image_geometry's own
-    throw InputError(InputFault::kUncalibrated,
-                     topic + " is raw, but its camera_info cannot be used: " + error.what());
+    failCalibration(topic, std::string("cannot be used: ") + error.what());
   }
 }
 
-sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
-                                   const CameraModel& camera, bool color) {
-  cv_bridge::CvImageConstPtr image;
-  try {
-    const bool deep = encodings::bitDepth(raw->encoding) == 16;
-    const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
-                                       : (deep ? encodings::MONO16 : encodings::MONO8);
-    image = cv_bridge::toCvShare(isPlainGrey(raw->encoding) ? renamed(raw) : raw, encoding);
-  } catch (const std::exception& error) {  // cv_bridge's own, OpenCV's and unknown encodings
-    throw InputError(
-        InputFault::kUnsupportedEncoding,
-        topic + " has the encoding '" + raw->encoding + "', which cannot be used: " + error.what());
+cv::Mat RawCamera::rectify(const cv::Mat& image, const std::string& topic) const {
+  requireSize(image.size(), size_, topic);
+  if (is_identity_) {
+    return image;
   }
-  requireSize(image->image.size(), camera.reducedResolution(), topic);
   cv::Mat rectified;
-  camera.rectifyImage(image->image, rectified);
-  return boost::make_shared<sensor_msgs::Image>(toMessage(rectified, image->encoding, raw->header));
+  model_.rectifyImage(image, rectified);
+  return rectified;
+}
+
+sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
+                                   const RawCamera& camera, bool color) {
+  const cv::Mat decoded = decodeImage(*raw, raw, color, topic);
+  const cv::Mat image = color ? toColor(decoded) : toGray(decoded);
+  const bool deep = image.depth() == CV_16U;
+  const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
+                                     : (deep ? encodings::MONO16 : encodings::MONO8);
+  return boost::make_shared<sensor_msgs::Image>(
+      toMessage(camera.rectify(image, topic), encoding, raw->header));
 }
 
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
@@ -138,17 +174,29 @@ sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& messag
 
 LoadedFrame FrameLoader::load(const PlannedFrame& frame) {
   LoadedFrame loaded;
-  const auto left_info = readMessage<sensor_msgs::CameraInfo>(frame.left_info, topics_.left_info);
-  const auto right_info =
-      readMessage<sensor_msgs::CameraInfo>(frame.right_info, topics_.right_info);
-  loaded.messages.left_image = loadImage(frame.left, topics_.left, *left_info, false);
-  loaded.messages.right_image = loadImage(frame.right, topics_.right, *right_info, false);
+  std::vector<std::string>& warnings = loaded.warnings;
+  const auto left_info = loadInfo(frame.left_info, false);
+  const auto right_info = loadInfo(frame.right_info, true);
+  loaded.messages.left_image = loadImage(frame.left, topics_.left, *left_info, false, warnings);
+  loaded.messages.right_image = loadImage(frame.right, topics_.right, *right_info, false, warnings);
   loaded.messages.left_info = left_info;
   loaded.messages.right_info = right_info;
   if (with_color_ && frame.color) {
-    loaded.color = loadImage(*frame.color, topics_.color, *left_info, true);
+    std::vector<std::string> ignored;  // the same as of the left image
+    loaded.color = loadImage(*frame.color, topics_.color, *left_info, true, ignored);
   }
   return loaded;
+}
+
+sensor_msgs::CameraInfoConstPtr FrameLoader::loadInfo(const std::optional<BagMessage>& message,
+                                                      bool right) const {
+  if (!message) {
+    const StereoCameras& cameras = topics_.cameras.value();
+    return boost::make_shared<sensor_msgs::CameraInfo>(
+        toCameraInfo(right ? cameras.right : cameras.left, {}));
+  }
+  return readMessage<sensor_msgs::CameraInfo>(*message,
+                                              right ? topics_.right_info : topics_.left_info);
 }
 
 StereoTopics FrameLoader::topicNames() const {
@@ -157,7 +205,8 @@ StereoTopics FrameLoader::topicNames() const {
 
 sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
                                                   const ImageTopic& topic,
-                                                  const sensor_msgs::CameraInfo& info, bool color) {
+                                                  const sensor_msgs::CameraInfo& info, bool color,
+                                                  std::vector<std::string>& warnings) {
   sensor_msgs::ImageConstPtr image =
       topic.compressed
           ? decompressImage(*readMessage<sensor_msgs::CompressedImage>(message, topic.name),
@@ -165,6 +214,10 @@ sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
           : readMessage<sensor_msgs::Image>(message, topic.name);
   if (!topic.raw) {
     return image;
+  }
+  const std::string warning = encodingWarning(image->encoding, topic.name);
+  if (!warning.empty()) {
+    warnings.push_back(warning);
   }
   return rectifyImage(image, topic.name, *cameraOf(info, topic.name, *image), color);
 }
@@ -182,7 +235,7 @@ FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
   }
   // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
   // frame.
-  Camera camera = makeCamera(info, topic, raw);
+  const auto camera = std::make_shared<const RawCamera>(info, topic, imageSize(raw));
   const std::lock_guard<std::mutex> lock(cameras_mutex_);
   cameras_[topic] = {calibration, camera};
   return camera;

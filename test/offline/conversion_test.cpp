@@ -17,6 +17,9 @@
 #include "support/error_text.h"
 #include "support/file_content.h"
 
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/io/camera_yaml.h"
+
 namespace cbmv {
 namespace {
 
@@ -298,11 +301,96 @@ TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
   bag.close();
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
                        {"in.bag", "no stereo pair", "/mono/image_raw  sensor_msgs/Image  1"}));
-  options_.topics = {"/mono/image_raw", "/mono/image_raw", ""};
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"/mono/camera_info is missing"}));
-  options_.topics = {"/mono/image_raw", "", ""};
+  options_.topics.left = options_.topics.right = "/mono/image_raw";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"are both /mono/image_raw"}));
+  options_.topics.right = "/other/image_raw";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"no images on /other/image_raw"}));
+  options_.topics.right.clear();
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--left and --right"}));
   EXPECT_FALSE(fs::exists(output_ + ".part.json"));
+}
+
+/// Pairs named image_raw that are rectified already, with the calibration of before, as kitti2bag
+/// writes them.
+class RectifiedAsRaw : public ConversionTest {
+ protected:
+  RectifiedAsRaw() {
+    rosbag::Bag bag(input_, rosbag::bagmode::Write);
+    RenderOptions render;
+    const RenderedScene scene = renderScene(320, 240, 1, render);
+    PairMessages messages = makeMessages({scene.left, scene.right, {}},
+                                         {300, 0.1, 159.5, 159.5, 119.5}, ros::Time(100));
+    for (const bool left : {true, false}) {
+      sensor_msgs::CameraInfo& info = left ? *messages.left_info : *messages.right_info;
+      info.distortion_model = "plumb_bob";
+      info.D = {left ? -0.3 : -0.25, 0.1, 0, 0, 0};
+      info.K = {left ? 305.0 : 310.0, 0, 158, 0, left ? 305.0 : 310.0, left ? 121.0 : 124.0,
+                0, 0, 1};
+    }
+    const ros::Time time(100);
+    bag.write("/kitti/left/image_raw", time, messages.left_image);
+    bag.write("/kitti/left/camera_info", time, messages.left_info);
+    bag.write("/kitti/right/image_raw", time, messages.right_image);
+    bag.write("/kitti/right/camera_info", time, messages.right_info);
+    options_.matching.stereo.range = {0, 40};
+    live_ = processLive(messages).result.disparity;
+  }
+  cv::Mat disparity() {
+    const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/kitti/disparity");
+    return found.size() == 1 ? toValidDisparity(*found[0], "") : cv::Mat();
+  }
+
+  cv::Mat live_;
+};
+
+TEST_F(RectifiedAsRaw, AreWarnedOf) {
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.plan.topics.left.raw);
+  EXPECT_TRUE(mentions(describeSummary(summary),
+                       {"/kitti/left/image_raw and /kitti/right/image_raw are raw and rectified "
+                        "first: not both names hold \"rect\"",
+                        "warning", "probably rectified already; use --rectified yes"}));
+  EXPECT_TRUE(mentions(summaryJson(summary), {"\"rectified_by_us\": true"}));
+}
+
+TEST_F(RectifiedAsRaw, AreTakenAsTheyAreIfTheUserSaysSo) {
+  options_.topics.rectified = Rectified::kYes;
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.warnings.empty());
+  EXPECT_TRUE(mentions(describeSummary(summary), {"are taken as rectified: --rectified yes"}));
+  EXPECT_TRUE(mentions(summaryJson(summary), {"\"rectified_by_us\": false"}));
+  ASSERT_EQ(disparity().size(), live_.size());
+  EXPECT_EQ(cv::norm(disparity(), live_, cv::NORM_INF), 0);
+}
+
+TEST_F(RectifiedAsRaw, MayBeNamedRelatively) {
+  options_.topics.left = "kitti/left/image_raw";
+  options_.topics.right = "kitti/right/image_raw";
+  options_.topics.rectified = Rectified::kYes;
+  EXPECT_TRUE(convert(options_).isComplete());
+}
+
+/// Without camera_info, or in its place.
+TEST_F(ConversionTest, CalibrationsMayBeFiles) {
+  const PairMessages messages = recordedFrame(0);
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  bag.write("/cam0/image_rect", ros::Time(100), messages.left_image);
+  bag.write("/cam1/image_rect", ros::Time(100), messages.right_image);
+  bag.close();
+  options_.topics.left = "/cam0/image_rect";
+  options_.topics.right = "/cam1/image_rect";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+                       {"/cam0/camera_info is missing", "--left-calibration"}));
+  sensor_msgs::CameraInfo right = *messages.right_info;
+  right.P[3] *= 2;
+  writeCameraYaml(folder_.file("left.yaml"), toCameraCalibration(*messages.left_info));
+  writeCameraYaml(folder_.file("right.yaml"), toCameraCalibration(right));
+  options_.topics.left_calibration = folder_.file("left.yaml");
+  options_.topics.right_calibration = folder_.file("right.yaml");
+  options_.topics.camera_namespace = "stereo";
+  EXPECT_TRUE(convert(options_).isComplete());
+  ASSERT_EQ(disparities(output_).size(), 1U);
+  EXPECT_FLOAT_EQ(disparities(output_)[0]->T, 0.5F);
 }
 
 TEST_F(ConversionTest, ChoosesAmongCameras) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -148,6 +149,24 @@ void addInput(CLI::App& app, Arguments& arguments) {
   app.add_option("--right", options.topics.right, "Topic of the right images");
   app.add_option("--namespace", options.topics.camera_namespace,
                  "Namespace of left/… and right/…, and of what is written");
+  const std::map<std::string, Rectified> rectified = {
+      {"auto", Rectified::kAuto}, {"yes", Rectified::kYes}, {"no", Rectified::kNo}};
+  app.add_option_function<std::string>(
+         "--rectified",
+         [&options, rectified](const std::string& answer) {
+           options.topics.rectified = rectified.at(answer);
+         },
+         "Whether the images are rectified; auto: those whose topic's name holds \"rect\". Others "
+         "are rectified first")
+      ->check(CLI::IsMember(rectified))
+      ->default_str("auto");
+  CLI::Option* const calibration = app.add_option(
+      "--left-calibration", options.topics.left_calibration,
+      "Calibration instead of camera_info: YAML of the left camera (ROS, or EuRoC's sensor.yaml), "
+      "or a file for both cameras (KITTI, Middlebury)");
+  app.add_option("--right-calibration", options.topics.right_calibration,
+                 "YAML of the right camera")
+      ->needs(calibration);
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
                  "Between the images of a pair; 0: none")
       ->check(nonNegativeNumber())
