@@ -73,9 +73,9 @@ TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
   expectOverrun(text, 0);
 }
 
-TEST(MakeCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(refusal(calibration()), "no error"); }
+TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(refusal(calibration()), "no error"); }
 
-TEST(MakeCamera, RefusesUnusableCalibrations) {
+TEST(RawCamera, RefusesUnusableCalibrations) {
   const auto changed = [](const auto& change) {
     sensor_msgs::CameraInfo info = calibration();
     change(info);
