@@ -4,6 +4,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -25,6 +26,31 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Which images, and how they are rectified. Calibrations by their numbers: files may lie elsewhere
+/// on other machines.
+std::string describeCamera(const CameraTopics& topics) {
+  std::ostringstream text;
+  text.precision(std::numeric_limits<double>::max_digits10);
+  text << topics.left.name << " " << topics.right.name
+       << (topics.left.raw ? " rectified first" : " as they are");
+  if (!topics.cameras) {
+    return text.str();
+  }
+  for (const CameraCalibration& camera : {topics.cameras->left, topics.cameras->right}) {
+    text << ", " << camera.width << " x " << camera.height << " " << camera.distortion_model;
+    const auto append = [&text](const auto& numbers) {
+      for (const double number : numbers) {
+        text << " " << number;
+      }
+    };
+    append(camera.camera_matrix);
+    append(camera.distortion);
+    append(camera.rectification);
+    append(camera.projection);
+  }
+  return text.str();
+}
+
 /// Everything that the frames of the output depend on, of whatever folder and machine.
 std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
                            const BagSet& bags, const Forest& forest,
@@ -38,7 +64,7 @@ std::string describeOrigin(const ConversionOptions& options, const FramePlan& pl
     }
     text << ") ";
   }
-  text << "\",\n\"topics\": \"" << plan.topics.left.name << " " << plan.topics.right.name;
+  text << "\",\n\"topics\": \"" << describeCamera(plan.topics);
   for (const std::string& topic : output_topics) {
     text << " " << topic;
   }
@@ -269,6 +295,9 @@ ConversionSummary convertBags(const ConversionOptions& options,
     return summary;
   }
   summary.resumed = segments.framesDone();
+  if (events.begin) {
+    events.begin(summary);
+  }
   FrameLoader loader(summary.plan.topics, outputs.needsColor());
   FrameProcessor processor(forest, options.matching.stereo);
   processor.setMinConfidence(options.matching.min_confidence);

@@ -29,14 +29,17 @@ struct LoadedFrame {
 /// where D is zero. May be used by several threads at once.
 class RawCamera {
  public:
-  /// `raw` is the size of the images. Throws InputError that names the topic if there is no
-  /// calibration, a useless one, one of an unknown distortion model, or of images of another size.
-  RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw);
+  /// `raw` is the size of the images, `info_name` what errors call the calibration. Throws
+  /// InputError that names the topic if there is no calibration, a useless one, one of an unknown
+  /// distortion model, or of images of another size.
+  RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw,
+            std::string info_name = "its camera_info");
 
   /// Throws InputError that names the topic if the image has another size.
   cv::Mat rectify(const cv::Mat& image, const std::string& topic) const;
 
  private:
+  std::string info_name_;
   bool is_identity_ = false;  ///< the images are rectified as they are
   cv::Size size_;
   image_geometry::PinholeCameraModel model_;
@@ -68,13 +71,17 @@ class FrameLoader {
 
  private:
   using Camera = std::shared_ptr<const RawCamera>;
+  /// The calibration of one camera, and the topic or file that it comes from.
+  struct CalibrationOf {
+    sensor_msgs::CameraInfoConstPtr info;
+    std::string name;
+  };
 
-  sensor_msgs::CameraInfoConstPtr loadInfo(const std::optional<BagMessage>& message,
-                                           bool right) const;
+  CalibrationOf loadInfo(const std::optional<BagMessage>& message, bool right) const;
   sensor_msgs::ImageConstPtr loadImage(const BagMessage& message, const ImageTopic& topic,
-                                       const sensor_msgs::CameraInfo& info, bool color,
+                                       const CalibrationOf& calibration, bool color,
                                        std::vector<std::string>& warnings);
-  Camera cameraOf(const sensor_msgs::CameraInfo& info, const std::string& topic,
+  Camera cameraOf(const CalibrationOf& calibration, const std::string& topic,
                   const sensor_msgs::Image& raw);
 
   const CameraTopics topics_;

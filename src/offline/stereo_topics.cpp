@@ -160,9 +160,10 @@ std::string findInfo(const BagSet& bags, const ImageTopic& image) {
   return topic;
 }
 
-/// As the live node: image_rect_color beside the left images. Raw images have their own colour.
+/// As the live node: image_rect_color beside the left images. Images of other names have their own
+/// color.
 ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
-  if (left.raw) {
+  if (left.raw || !looksRectified(left)) {
     return left;
   }
   for (const char* name : {"/image_rect_color", "/image_rect_color/compressed"}) {

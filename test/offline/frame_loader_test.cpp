@@ -82,9 +82,9 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
     return refusal(info);
   };
   using Info = sensor_msgs::CameraInfo;
-  EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }), HasSubstr("no calibration"));
+  EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }), HasSubstr("no usable calibration (K[0] = 0)"));
   EXPECT_THAT(changed([](Info& info) { info.width = info.height = 4000000000U; }),
-              HasSubstr("/left is raw, and its camera_info describes a sensor of 4000000000x"));
+              HasSubstr("/left is raw, but its camera_info describes a sensor of 4000000000x"));
   EXPECT_THAT(changed([](Info& info) { info.width += 1; }), HasSubstr("/left has"));
   // The image is a window of 16x12 of a sensor whose maps would take gigabytes.
   EXPECT_THAT(changed([](Info& info) {
@@ -101,6 +101,16 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = ""; }),
               HasSubstr("unknown distortion model ''"));
   EXPECT_THAT(changed([](Info& info) { info.R.assign(0); }), HasSubstr("R that is no rotation"));
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(changed([](Info& info) { info.K[4] = 0; }), HasSubstr("K[4] = 0"));
+  EXPECT_THAT(changed([](Info& info) { info.K[0] = kNotANumber; }), HasSubstr("K[0] = nan"));
+  EXPECT_THAT(changed([](Info& info) { info.K[2] = kNotANumber; }), HasSubstr("K[2] = nan"));
+  EXPECT_THAT(changed([](Info& info) { info.D[1] = kNotANumber; }), HasSubstr("D[1] = nan"));
+  EXPECT_THAT(changed([](Info& info) {
+                info.width = info.height = 0;
+                info.binning_x = info.binning_y = 4000000000U;
+              }),
+              HasSubstr("describes a sensor of"));
   EXPECT_THAT(changed([](Info& info) { info.R[8] = -1; }), HasSubstr("R that is no rotation"));
   EXPECT_THAT(changed([](Info& info) {
                 info.D = {0.1, 0.2, 0.3};
@@ -176,6 +186,21 @@ TEST(RawCamera, TakesTheSizeOfTheImageWhereNoneIsKnown) {
   const cv::Mat expected = RawCamera(info, "/left", image.size()).rectify(image, "/left");
   info.width = info.height = 0;
   const cv::Mat found = RawCamera(info, "/left", image.size()).rectify(image, "/left");
+  EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0);
+}
+
+/// Of the sensor, the part with the image has to be there at least.
+TEST(RawCamera, TakesTheSizeOfTheRegionOfInterestWhereNoneIsKnown) {
+  sensor_msgs::CameraInfo info = calibration();
+  const cv::Size size(40, 30);
+  info.roi.x_offset = 20;
+  info.roi.y_offset = 10;
+  info.roi.width = 40;
+  info.roi.height = 30;
+  const cv::Mat image = noise(info)(cv::Rect({20, 10}, size)).clone();
+  const cv::Mat expected = RawCamera(info, "/left", size).rectify(image, "/left");
+  info.width = info.height = 0;
+  const cv::Mat found = RawCamera(info, "/left", size).rectify(image, "/left");
   EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0);
 }
 

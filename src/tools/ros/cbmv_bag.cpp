@@ -73,6 +73,15 @@ void reportOutput(const std::string& output, const ConversionSummary& summary) {
   std::printf(text, output.c_str());
 }
 
+/// Before a long run, which may have to be another one.
+void reportPlan(const ConversionSummary& summary) {
+  std::printf("%s\n", summary.plan.topics.rectification.c_str());
+  std::fflush(stdout);
+  for (const std::string& warning : summary.warnings) {
+    std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
+  }
+}
+
 /// Before the work, whose result could not be kept.
 void requireWritable(const Arguments& arguments) {
   const ConversionOptions& options = arguments.conversion;
@@ -102,6 +111,7 @@ int convert(Arguments& arguments) {
   {
     ProgressBar bar(stderr, isTerminal(stderr));
     ConversionEvents events;
+    events.begin = reportPlan;
     events.progress = [&](std::size_t done, std::size_t total) {
       bar.show("frames", static_cast<int>(done), static_cast<int>(total), "");
     };
