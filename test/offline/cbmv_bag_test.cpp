@@ -234,6 +234,15 @@ TEST_F(CbmvBagTest, RefusesDifferentFrameIdsIfAsked) {
             2 * messagesOf(folder_.file("refused.bag")).size());
 }
 
+TEST_F(CbmvBagTest, TakesAnAnswerWhetherImagesAreRectified) {
+  writeRecording(folder_.file("in.bag"), 1);
+  for (const char* answer : {"yes", "no", "auto"}) {
+    EXPECT_EQ(run("out.bag", std::string("--overwrite --rectified ") + answer).status, 0) << answer;
+  }
+  EXPECT_EQ(run("out.bag", "--overwrite --rectified maybe").status, 2);
+  EXPECT_EQ(run("out.bag", "--overwrite --right-calibration right.yaml").status, 2);
+}
+
 TEST_F(CbmvBagTest, StatusSaysThatTheInputIsDamaged) {
   writeRecording(folder_.file("in.bag"), 6);
   fs::resize_file(folder_.file("in.bag"), fs::file_size(folder_.file("in.bag")) / 2);
