@@ -23,7 +23,8 @@ PairMessages rectifiedPair() {
 /// The same lens with so much of its distortion, turn and decentering.
 Lens weakened(const Lens& lens, double share) {
   Lens weak = lens;
-  weak.matrix = cv::Matx33d(185, 0, 109.5, 0, 185, 79.5, 0, 0, 1) * (1 - share) + lens.matrix * share;
+  weak.matrix = cv::Matx33d(185, 0, 109.5, 0, 185, 79.5, 0, 0, 1) * (1 - share) +
+                lens.matrix * share;
   for (double& coefficient : weak.distortion) {
     coefficient *= share;
   }
