@@ -15,7 +15,7 @@ namespace {
 
 // Rows of a rectified pair are closer than the first; of a raw pair they hardly ever are. Sub-pixel
 // noise alone does not reach the second.
-constexpr double kRectifiedPx = 0.6;
+constexpr double kRectifiedPx = 1.0;
 constexpr double kNoticeablePx = 0.2;
 constexpr double kClearlyWorse = 2.0;
 

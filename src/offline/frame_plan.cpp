@@ -29,6 +29,15 @@ std::vector<ros::Time> stampsOf(const Messages& messages) {
   return stamps;
 }
 
+std::vector<StampedImage> imagesOf(const Messages& messages) {
+  std::vector<StampedImage> images;
+  images.reserve(messages.size());
+  for (const BagMessage& message : messages) {
+    images.push_back({message.entry->stamp, message.place});
+  }
+  return images;
+}
+
 /// Messages of a topic sorted by stamp.
 class StampedTopic {
  public:
@@ -210,8 +219,8 @@ PlanProblems findProblems(const FramePlan& plan) {
   if (plan.equal_stamps > 0) {
     problems.others.push_back(
         std::to_string(plan.equal_stamps) +
-        " pairs have the stamp of the pair before. They are paired in the order of the recording; "
-        "set header.stamp in the driver.");
+        " pairs have the stamp of the pair before. They are paired in the order of the recording, "
+        "so a lost image may pair images of different times. Set header.stamp in the driver.");
   }
   return problems;
 }
@@ -224,7 +233,7 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
   const Messages right = bags.onTopic(topics.right.name);
   const Companions companions(bags, topics);
   const StampPairs pairs =
-      pairStamps(stampsOf(left), stampsOf(right), options.max_stamp_difference_s);
+      pairStamps(imagesOf(left), imagesOf(right), options.max_stamp_difference_s);
   for (const auto& [l, r] : pairs.pairs) {
     PlannedFrame frame = companions.join(left[l], right[r]);
     if (plan.offset_frames.empty() ||

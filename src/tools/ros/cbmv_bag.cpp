@@ -83,15 +83,24 @@ void reportPlan(const ConversionSummary& summary) {
 }
 
 /// Before the work, whose result could not be kept.
-void requireWritable(const Arguments& arguments) {
-  const ConversionOptions& options = arguments.conversion;
-  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+void requireWritableJson(const Arguments& arguments) {
   if (arguments.json.empty()) {
     return;
   }
   requireWritableFile(arguments.json);
-  for (const std::string& input : options.inputs) {
+  for (const std::string& input : arguments.conversion.inputs) {
     requireOtherFile(input, arguments.json);
+  }
+}
+
+void requireWritable(const Arguments& arguments) {
+  const ConversionOptions& options = arguments.conversion;
+  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+  requireWritableJson(arguments);
+  const std::string written = options.files ? options.output + "/index.csv" : options.output;
+  if (!arguments.json.empty() && isSameFile(arguments.json, written)) {
+    throw Error("--json and --output both write " + written +
+                ", expected two files. Choose another name for one of them.");
   }
 }
 
@@ -132,6 +141,7 @@ int convert(Arguments& arguments) {
 
 int check(Arguments& arguments) {
   arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  requireWritableJson(arguments);
   const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
