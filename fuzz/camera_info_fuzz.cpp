@@ -19,6 +19,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto raw = boost::make_shared<sensor_msgs::Image>(
         cbmv::toMessage(cv::Mat(image_size, CV_8UC1, cv::Scalar(7)),
                         sensor_msgs::image_encodings::MONO8, info->header));
-    cbmv::rectifyImage(raw, "left", *cbmv::makeCamera(*info, "left", *raw), false);
+    cbmv::rectifyImage(raw, "left", cbmv::RawCamera(*info, "left", image_size), false);
   });
 }

@@ -56,7 +56,7 @@ bool hasRoi(const CameraCalibration& camera) {
 }
 
 bool hasUnknownSize(const CameraCalibration& camera) {
-  return !hasRoi(camera) && (camera.width <= 0 || camera.height <= 0);
+  return !hasRoi(camera) && camera.width <= 0 && camera.height <= 0;
 }
 
 /// Size of the images that belong to the calibration.
@@ -197,10 +197,8 @@ class CameraChecker {
 
   /// image_proc passes images without distortion on, whatever R and P are.
   void checkSkippedRectification() {
-    const auto& d = camera_.distortion;
-    const bool no_distortion = std::all_of(d.begin(), d.end(), [](double c) { return c == 0; });
     const bool has_rotation = isRotation(camera_.rectification);
-    if (rectified_by_ == RectifiedBy::kOthers && no_distortion && has_rotation &&
+    if (rectified_by_ == RectifiedBy::kOthers && hasNoCoefficients(camera_) && has_rotation &&
         camera_.camera_matrix[0] > 0 && !isIdentity(camera_)) {
       warn("has no distortion (D = 0), but R is not the identity or P differs from K: image_proc "
            "does not rectify such images. If image_proc makes the rectified images, give D a tiny "
@@ -348,6 +346,11 @@ const StereoGeometry& requireUsable(const CalibrationCheck& check) {
   return check.geometry;
 }
 
+bool hasNoCoefficients(const CameraCalibration& camera) {
+  return std::all_of(camera.distortion.begin(), camera.distortion.end(),
+                     [](double coefficient) { return coefficient == 0; });
+}
+
 bool isRotation(const std::array<double, 9>& matrix) {
   const cv::Matx33d r(matrix.data());
   const cv::Matx33d error = r * r.t() - cv::Matx33d::eye();
@@ -358,12 +361,11 @@ bool isRotation(const std::array<double, 9>& matrix) {
 bool isIdentity(const CameraCalibration& camera) {
   const auto& k = camera.camera_matrix;
   const auto& p = camera.projection;
-  const bool no_distortion = std::all_of(camera.distortion.begin(), camera.distortion.end(),
-                                         [](double c) { return c == 0; });
   const cv::Matx33d turn = cv::Matx33d(camera.rectification.data()) - cv::Matx33d::eye();
   const cv::Matx33d change = cv::Matx33d(k.data()) -
                              cv::Matx33d(p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]);
-  return no_distortion && cv::norm(turn, cv::NORM_INF) <= kZeroRatio &&
+  return hasNoCoefficients(camera) && camera.distortion_model != "equidistant" &&
+         cv::norm(turn, cv::NORM_INF) <= kZeroRatio &&
          cv::norm(change, cv::NORM_INF) <= kZeroRatio * std::abs(k[0]);
 }
 

@@ -70,6 +70,8 @@ Stretch findStretch(const std::vector<cv::Mat>& images) {
 
 bool isDeep(const cv::Mat& image) { return image.depth() == CV_16U; }
 
+}  // namespace
+
 cv::Mat toGray(const cv::Mat& image) {
   CV_Assert(image.depth() == CV_8U || image.depth() == CV_16U);
   if (image.channels() == 1) {
@@ -80,7 +82,7 @@ cv::Mat toGray(const cv::Mat& image) {
   return gray;
 }
 
-cv::Mat withThreeChannels(const cv::Mat& image) {
+cv::Mat toColor(const cv::Mat& image) {
   if (image.channels() == 3) {
     return image;
   }
@@ -88,8 +90,6 @@ cv::Mat withThreeChannels(const cv::Mat& image) {
   cv::cvtColor(image, color, image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR);
   return color;
 }
-
-}  // namespace
 
 GrayPair toGrayPair(const cv::Mat& left, const cv::Mat& right) {
   const GrayPair gray{toGray(left), toGray(right)};
@@ -104,7 +104,7 @@ GrayPair toGrayPair(const cv::Mat& left, const cv::Mat& right) {
 }
 
 cv::Mat toColor8(const cv::Mat& image) {
-  const cv::Mat color = withThreeChannels(image);
+  const cv::Mat color = toColor(image);
   return isDeep(color) ? findStretch({color}).apply(color) : color;
 }
 

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "offline/double_rectification.h"
 #include "offline/frame_loader.h"
 #include "offline/frame_outputs.h"
 
@@ -40,7 +41,7 @@ void describeBags(const BagSet& bags, const FramePlan& plan, BagCheck& check) {
 
 void describePairs(const FramePlan& plan, BagCheck& check) {
   check.text += "pairs: " + plan.topics.left.name + " and " + plan.topics.right.name +
-                (plan.topics.left.raw ? " (raw, will be rectified)" : "") + "\n" +
+                "\n  " + plan.topics.rectification + "\n" +
                 format("  %zu left and %zu right images, %zu pairs, %zu to process\n",
                        plan.left_images, plan.right_images, plan.pairs, plan.frames.size());
   const PlanProblems problems = findProblems(plan);
@@ -55,7 +56,7 @@ void describePairs(const FramePlan& plan, BagCheck& check) {
   }
 }
 
-void describeCalibration(const PreparedPair& frame, const VerticalOffset& offset,
+void describeCalibration(const PreparedPair& frame, const VerticalOffsetMeasurement& offset,
                          const DisparityRange& range, BagCheck& check) {
   const StereoGeometry& geometry = frame.geometry;
   const double depth_factor = geometry.focal_length_px * geometry.baseline_m;
@@ -66,12 +67,13 @@ void describeCalibration(const PreparedPair& frame, const VerticalOffset& offset
       format("  disparities to %d px reach from %.2f m on; 1 px at 10 m are %.2f m\n", range.max(),
              depth_factor / std::max(1.0, range.max() - geometry.disparity_offset_px),
              100 / depth_factor);
-  if (offset.matches == 0) {
+  if (offset.model.matches == 0) {
     check.text += "  rows: too few matches to tell whether they are aligned\n";
     return;
   }
-  const double rms_px = offset.rootMeanSquare(frame.images.left.size());
-  check.text += format("  rows: %.2f px apart, by %d matches\n", rms_px, offset.matches);
+  const double rms_px = offset.rms_before_px;
+  check.text += format("  rows: %.2f px apart (root mean square), by %d matches\n", rms_px,
+                       offset.model.matches);
   if (rms_px > kLargeOffsetPx) {
     check.problems.push_back(
         format("the rows of the pair are %.2f px apart; it is corrected, but the calibration has "
@@ -137,14 +139,21 @@ BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const
   check.frames = plan.frames.size();
   describeBags(bags, plan, check);
   describePairs(plan, check);
+  if (plan.topics.left.raw && !plan.frames.empty()) {
+    const std::string warning = doubleRectificationWarning(plan.topics, plan.frames.front(),
+                                                           options.matching.stereo);
+    if (!warning.empty()) {
+      check.problems.push_back(warning);
+    }
+  }
   FrameProcessor processor(forest, options.matching.stereo);
   if (const auto frame =
           prepareOne(plan, processor, options.matching.allow_different_frame_ids, check)) {
-    const VerticalOffset offset = processor.estimateOffset(frame->pair);
-    describeCalibration(frame->pair, offset, options.matching.stereo.range, check);
+    describeCalibration(frame->pair, processor.measureOffset(frame->pair),
+                        options.matching.stereo.range, check);
     check.problems.insert(check.problems.end(), frame->pair.warnings.begin(),
                           frame->pair.warnings.end());
-    describeCost(plan, processor, frame->pair, offset, check);
+    describeCost(plan, processor, frame->pair, processor.estimateOffset(frame->pair), check);
   }
   return check;
 }

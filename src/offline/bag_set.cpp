@@ -9,12 +9,15 @@ BagSet::BagSet(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     bags_.push_back(std::make_unique<BagReader>(path));
     for (const BagEntry& entry : bags_.back()->entries()) {
-      messages_.push_back({bags_.back().get(), &entry});
+      messages_.push_back({bags_.back().get(), &entry, 0});
     }
   }
   std::stable_sort(
       messages_.begin(), messages_.end(),
       [](const BagMessage& a, const BagMessage& b) { return a.entry->time < b.entry->time; });
+  for (std::size_t i = 0; i < messages_.size(); ++i) {
+    messages_[i].place = i;
+  }
 }
 
 std::vector<BagMessage> BagSet::onTopic(const std::string& topic) const {

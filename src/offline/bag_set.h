@@ -12,6 +12,7 @@ namespace cbmv {
 struct BagMessage {
   const BagReader* bag = nullptr;
   const BagEntry* entry = nullptr;
+  std::size_t place = 0;  ///< among the messages of all bags, in the order of their time
 
   const BagConnection& connection() const { return *bag->connections()[entry->connection]; }
   RawMessage read() const { return bag->read(*entry); }

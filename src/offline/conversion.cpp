@@ -4,10 +4,12 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 #include <thread>
 #include <utility>
 
+#include "offline/double_rectification.h"
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
 #include "offline/other_file.h"
@@ -24,6 +26,31 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// Which images, and how they are rectified. Calibrations by their numbers: files may lie elsewhere
+/// on other machines.
+std::string describeCamera(const CameraTopics& topics) {
+  std::ostringstream text;
+  text.precision(std::numeric_limits<double>::max_digits10);
+  text << topics.left.name << " " << topics.right.name
+       << (topics.left.raw ? " rectified first" : " as they are");
+  if (!topics.cameras) {
+    return text.str();
+  }
+  for (const CameraCalibration& camera : {topics.cameras->left, topics.cameras->right}) {
+    text << ", " << camera.width << " x " << camera.height << " " << camera.distortion_model;
+    const auto append = [&text](const auto& numbers) {
+      for (const double number : numbers) {
+        text << " " << number;
+      }
+    };
+    append(camera.camera_matrix);
+    append(camera.distortion);
+    append(camera.rectification);
+    append(camera.projection);
+  }
+  return text.str();
+}
+
 /// Everything that the frames of the output depend on, of whatever folder and machine.
 std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
                            const BagSet& bags, const Forest& forest,
@@ -37,7 +64,7 @@ std::string describeOrigin(const ConversionOptions& options, const FramePlan& pl
     }
     text << ") ";
   }
-  text << "\",\n\"topics\": \"" << plan.topics.left.name << " " << plan.topics.right.name;
+  text << "\",\n\"topics\": \"" << describeCamera(plan.topics);
   for (const std::string& topic : output_topics) {
     text << " " << topic;
   }
@@ -195,6 +222,13 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
     summary.problems.push_back(problems.nothing_to_process);
   }
   summary.warnings = problems.others;
+  if (summary.plan.topics.left.raw && !summary.plan.frames.empty()) {
+    const std::string warning = doubleRectificationWarning(
+        summary.plan.topics, summary.plan.frames.front(), options.matching.stereo);
+    if (!warning.empty()) {
+      summary.warnings.push_back(warning);
+    }
+  }
   return summary;
 }
 
@@ -261,6 +295,9 @@ ConversionSummary convertBags(const ConversionOptions& options,
     return summary;
   }
   summary.resumed = segments.framesDone();
+  if (events.begin) {
+    events.begin(summary);
+  }
   FrameLoader loader(summary.plan.topics, outputs.needsColor());
   FrameProcessor processor(forest, options.matching.stereo);
   processor.setMinConfidence(options.matching.min_confidence);

@@ -59,6 +59,8 @@ struct ConversionSummary {
 /// What a conversion tells its caller while it runs; may be called by several threads, one at a
 /// time.
 struct ConversionEvents {
+  /// Before the first frame, with what is known until then: plan and warnings.
+  std::function<void(const ConversionSummary& summary)> begin;
   std::function<void(std::size_t done, std::size_t total)> progress;
   std::function<bool()> should_stop;  ///< asked before each frame
 };

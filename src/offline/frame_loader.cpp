@@ -1,16 +1,24 @@
 #include "offline/frame_loader.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include <boost/make_shared.hpp>
-#include <cv_bridge/cv_bridge.h>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
 #include "io/image_decoding.h"
+#include "ros/camera_info.h"
 #include "ros/image_conversion.h"
+
+#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/input/gray_pair.h"
 
 namespace cbmv {
 namespace {
@@ -39,86 +47,149 @@ std::string encodingOf(const cv::Mat& image, const std::string& format) {
   return deep ? encodings::BGRA16 : encodings::BGRA8;
 }
 
-bool isPlainGrey(const std::string& encoding) {
-  return encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_16UC1;
-}
-
-/// cv_bridge takes plain channels for no image of light.
-sensor_msgs::ImageConstPtr renamed(const sensor_msgs::ImageConstPtr& plain) {
-  const auto image = boost::make_shared<sensor_msgs::Image>(*plain);
-  image->encoding = plain->encoding == encodings::TYPE_16UC1 ? encodings::MONO16 : encodings::MONO8;
-  return image;
-}
-
-void requireSize(const cv::Size& size, const cv::Size& described, const std::string& topic) {
+void requireSize(const cv::Size& size, const cv::Size& described, const std::string& topic,
+                 const std::string& info_name) {
   if (size != described) {
-    throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(size) +
-                                                      ", its camera_info describes images of " +
+    throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(size) + ", " +
+                                                      info_name + " describes images of " +
                                                       sizeText(described));
   }
 }
 
+/// `names` are those of the images and of the calibration, as the text needs them.
+[[noreturn]] void failCalibration(const std::string& names, const std::string& problem) {
+  throw InputError(InputFault::kUncalibrated, names + " " + problem);
+}
+
 /// image_geometry makes maps of the whole sensor, of which the image may be a small part.
-void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& topic) {
+void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names) {
   if (std::uint64_t{info.width} * info.height > kMaxImagePixels) {
     throw InputError(InputFault::kCameraInfoSize,
-                     topic + " is raw, and its camera_info describes a sensor of " +
-                         std::to_string(info.width) + 'x' + std::to_string(info.height) + "; " +
-                         std::to_string(kMaxImagePixels) + " pixels at most would be right");
+                     names + " describes a sensor of " +
+                         std::to_string(info.width) + 'x' + std::to_string(info.height) +
+                         " pixels, expected at most " + std::to_string(kMaxImagePixels) +
+                         ". Correct width and height.");
   }
 }
 
-using CameraModel = image_geometry::PinholeCameraModel;
+/// Coefficients of each model.
+struct DistortionModel {
+  const char* name;
+  std::size_t coefficients;
+};
+constexpr std::array<DistortionModel, 3> kDistortionModels = {
+    {{"plumb_bob", 5}, {"rational_polynomial", 8}, {"equidistant", 4}}};
 
-/// With the maps of the rectification: from then on the model is only read.
-std::shared_ptr<const CameraModel> withMaps(const std::shared_ptr<CameraModel>& camera) {
-  cv::Mat ignored;  // the first image, of any size, makes the maps
-  camera->rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
-  return camera;
+const DistortionModel& findModel(const CameraCalibration& camera, const std::string& names) {
+  if (camera.distortion_model.empty() && hasNoCoefficients(camera)) {
+    return kDistortionModels.front();  // simulators
+  }
+  for (const DistortionModel& model : kDistortionModels) {
+    if (camera.distortion_model == model.name) {
+      return model;
+    }
+  }
+  failCalibration(names, "has the unknown distortion model " + quoted(camera.distortion_model) +
+                             ". Expected plumb_bob, rational_polynomial or equidistant. Name the "
+                             "model of these that the coefficients D are of.");
+}
+
+/// An image without a single gray value would come of what is not finite.
+void requireUsableNumbers(const CameraCalibration& camera, const std::string& names) {
+  const auto require = [&](bool usable, const char* entry, std::size_t index, double value) {
+    if (!usable) {
+      std::ostringstream text;
+      text << "has no usable calibration (" << entry << "[" << index << "] = " << value
+           << "). Expected finite numbers, K[0] and K[4] above 0. Calibrate the camera, or use "
+              "--rectified yes for images that are rectified.";
+      failCalibration(names, text.str());
+    }
+  };
+  const auto& k = camera.camera_matrix;
+  for (std::size_t i = 0; i < k.size(); ++i) {
+    require(std::isfinite(k[i]) && ((i != 0 && i != 4) || k[i] > 0), "K", i, k[i]);
+  }
+  for (std::size_t i = 0; i < camera.distortion.size(); ++i) {
+    require(std::isfinite(camera.distortion[i]), "D", i, camera.distortion[i]);
+  }
+}
+
+/// Of a sensor of unknown size, as much as the image shows.
+std::uint32_t sensorSide(std::uint32_t offset, std::uint32_t roi, int raw, int binning) {
+  const std::uint64_t side = roi > 0 ? std::uint64_t{offset} + roi
+                                     : static_cast<std::uint64_t>(raw) *
+                                           static_cast<std::uint64_t>(binning);
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(side, std::numeric_limits<std::uint32_t>::max()));
+}
+
+/// The calibration as image_geometry takes it.
+sensor_msgs::CameraInfo completed(sensor_msgs::CameraInfo info, const std::string& names,
+                                  cv::Size raw) {
+  const CameraCalibration camera = toCameraCalibration(info);
+  requireUsableNumbers(camera, names);
+  if (!isRotation(camera.rectification)) {
+    failCalibration(names, "has R that is no rotation. Expected an orthonormal matrix, the "
+                           "identity for a camera that is not turned. Calibrate the cameras, or "
+                           "set R.");
+  }
+  const DistortionModel& model = findModel(camera, names);
+  info.distortion_model = model.name;
+  if (hasNoCoefficients(camera)) {
+    info.D.assign(model.coefficients, 0.0);
+    info.D[0] = 1e-300;  // image_geometry does not rectify where all are zero
+  }
+  if (info.width == 0 && info.height == 0) {
+    info.width = sensorSide(info.roi.x_offset, info.roi.width, raw.width, camera.binning_x);
+    info.height = sensorSide(info.roi.y_offset, info.roi.height, raw.height, camera.binning_y);
+  }
+  return info;
 }
 
 }  // namespace
 
-std::shared_ptr<const CameraModel> makeCamera(const sensor_msgs::CameraInfo& info,
-                                              const std::string& topic,
-                                              const sensor_msgs::Image& raw) {
-  if (info.K[0] == 0 || info.width == 0 || info.height == 0) {
-    throw InputError(InputFault::kUncalibrated,
-                     topic +
-                         " is raw, but its camera_info has no calibration, so it cannot be "
-                         "rectified");
-  }
-  requireSensor(info, topic);
-  auto camera = std::make_shared<CameraModel>();
+RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw,
+                     std::string info_name)
+    : info_name_(std::move(info_name)) {
+  const std::string names = topic + " is raw, but " + info_name_;
+  const sensor_msgs::CameraInfo calibration = completed(info, names, raw);
+  requireSensor(calibration, names);
   try {
-    camera->fromCameraInfo(info);
-    requireSize(imageSize(raw), camera->reducedResolution(), topic);  // before maps take memory
-    return withMaps(camera);
+    model_.fromCameraInfo(calibration);
+    size_ = model_.reducedResolution();
+    requireSize(raw, size_, topic, info_name_);  // before maps take memory
+    is_identity_ = isIdentity(toCameraCalibration(info));
+    if (!is_identity_) {
+      // The first image, of any size, makes the maps; from then on the model is only read.
+      cv::Mat ignored;
+      model_.rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
+    }
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // OpenCV's and image_geometry's own
-    throw InputError(InputFault::kUncalibrated,
-                     topic + " is raw, but its camera_info cannot be used: " + error.what());
+    failCalibration(names, std::string("cannot be used: ") + error.what());
   }
 }
 
-sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
-                                   const CameraModel& camera, bool color) {
-  cv_bridge::CvImageConstPtr image;
-  try {
-    const bool deep = encodings::bitDepth(raw->encoding) == 16;
-    const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
-                                       : (deep ? encodings::MONO16 : encodings::MONO8);
-    image = cv_bridge::toCvShare(isPlainGrey(raw->encoding) ? renamed(raw) : raw, encoding);
-  } catch (const std::exception& error) {  // cv_bridge's own, OpenCV's and unknown encodings
-    throw InputError(
-        InputFault::kUnsupportedEncoding,
-        topic + " has the encoding '" + raw->encoding + "', which cannot be used: " + error.what());
+cv::Mat RawCamera::rectify(const cv::Mat& image, const std::string& topic) const {
+  requireSize(image.size(), size_, topic, info_name_);
+  if (is_identity_) {
+    return image;
   }
-  requireSize(image->image.size(), camera.reducedResolution(), topic);
   cv::Mat rectified;
-  camera.rectifyImage(image->image, rectified);
-  return boost::make_shared<sensor_msgs::Image>(toMessage(rectified, image->encoding, raw->header));
+  model_.rectifyImage(image, rectified);
+  return rectified;
+}
+
+sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
+                                   const RawCamera& camera, bool color) {
+  const cv::Mat decoded = decodeImage(*raw, raw, color, topic);
+  const cv::Mat image = color ? toColor(decoded) : toGray(decoded);
+  const bool deep = image.depth() == CV_16U;
+  const std::string encoding = color ? (deep ? encodings::BGR16 : encodings::BGR8)
+                                     : (deep ? encodings::MONO16 : encodings::MONO8);
+  return boost::make_shared<sensor_msgs::Image>(
+      toMessage(camera.rectify(image, topic), encoding, raw->header));
 }
 
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
@@ -138,17 +209,30 @@ sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& messag
 
 LoadedFrame FrameLoader::load(const PlannedFrame& frame) {
   LoadedFrame loaded;
-  const auto left_info = readMessage<sensor_msgs::CameraInfo>(frame.left_info, topics_.left_info);
-  const auto right_info =
-      readMessage<sensor_msgs::CameraInfo>(frame.right_info, topics_.right_info);
-  loaded.messages.left_image = loadImage(frame.left, topics_.left, *left_info, false);
-  loaded.messages.right_image = loadImage(frame.right, topics_.right, *right_info, false);
-  loaded.messages.left_info = left_info;
-  loaded.messages.right_info = right_info;
+  std::vector<std::string>& warnings = loaded.warnings;
+  const CalibrationOf left = loadInfo(frame.left_info, false);
+  const CalibrationOf right = loadInfo(frame.right_info, true);
+  loaded.messages.left_image = loadImage(frame.left, topics_.left, left, false, warnings);
+  loaded.messages.right_image = loadImage(frame.right, topics_.right, right, false, warnings);
+  loaded.messages.left_info = left.info;
+  loaded.messages.right_info = right.info;
   if (with_color_ && frame.color) {
-    loaded.color = loadImage(*frame.color, topics_.color, *left_info, true);
+    std::vector<std::string> ignored;  // the same as of the left image
+    loaded.color = loadImage(*frame.color, topics_.color, left, true, ignored);
   }
   return loaded;
+}
+
+FrameLoader::CalibrationOf FrameLoader::loadInfo(const std::optional<BagMessage>& message,
+                                                 bool right) const {
+  const std::string& name = right ? topics_.right_info : topics_.left_info;
+  if (message) {
+    return {readMessage<sensor_msgs::CameraInfo>(*message, name), name};
+  }
+  const StereoCameras& cameras = topics_.cameras.value();
+  return {boost::make_shared<sensor_msgs::CameraInfo>(
+              toCameraInfo(right ? cameras.right : cameras.left, {})),
+          name};
 }
 
 StereoTopics FrameLoader::topicNames() const {
@@ -157,7 +241,8 @@ StereoTopics FrameLoader::topicNames() const {
 
 sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
                                                   const ImageTopic& topic,
-                                                  const sensor_msgs::CameraInfo& info, bool color) {
+                                                  const CalibrationOf& calibration, bool color,
+                                                  std::vector<std::string>& warnings) {
   sensor_msgs::ImageConstPtr image =
       topic.compressed
           ? decompressImage(*readMessage<sensor_msgs::CompressedImage>(message, topic.name),
@@ -166,25 +251,30 @@ sensor_msgs::ImageConstPtr FrameLoader::loadImage(const BagMessage& message,
   if (!topic.raw) {
     return image;
   }
-  return rectifyImage(image, topic.name, *cameraOf(info, topic.name, *image), color);
+  const std::string warning = encodingWarning(image->encoding, topic.name);
+  if (!warning.empty()) {
+    warnings.push_back(warning);
+  }
+  return rectifyImage(image, topic.name, *cameraOf(calibration, topic.name, *image), color);
 }
 
-FrameLoader::Camera FrameLoader::cameraOf(const sensor_msgs::CameraInfo& info,
+FrameLoader::Camera FrameLoader::cameraOf(const CalibrationOf& calibration,
                                           const std::string& topic, const sensor_msgs::Image& raw) {
-  sensor_msgs::CameraInfo calibration = info;
-  calibration.header = {};
+  sensor_msgs::CameraInfo info = *calibration.info;
+  info.header = {};
   {
     const std::lock_guard<std::mutex> lock(cameras_mutex_);
     const auto& known = cameras_[topic];
-    if (known.second && known.first == calibration) {
+    if (known.second && known.first == info) {
       return known.second;
     }
   }
   // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
   // frame.
-  Camera camera = makeCamera(info, topic, raw);
+  const auto camera =
+      std::make_shared<const RawCamera>(info, topic, imageSize(raw), calibration.name);
   const std::lock_guard<std::mutex> lock(cameras_mutex_);
-  cameras_[topic] = {calibration, camera};
+  cameras_[topic] = {info, camera};
   return camera;
 }
 

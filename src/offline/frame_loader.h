@@ -3,7 +3,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <image_geometry/pinhole_camera_model.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -19,6 +22,27 @@ namespace cbmv {
 struct LoadedFrame {
   StereoMessages messages;
   sensor_msgs::ImageConstPtr color;  ///< may be null
+  std::vector<std::string> warnings;
+};
+
+/// Rectifies the images of one camera by K, D, R and P, as image_proc does; unlike image_proc also
+/// where D is zero. May be used by several threads at once.
+class RawCamera {
+ public:
+  /// `raw` is the size of the images, `info_name` what errors call the calibration. Throws
+  /// InputError that names the topic if there is no calibration, a useless one, one of an unknown
+  /// distortion model, or of images of another size.
+  RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw,
+            std::string info_name = "its camera_info");
+
+  /// Throws InputError that names the topic if the image has another size.
+  cv::Mat rectify(const cv::Mat& image, const std::string& topic) const;
+
+ private:
+  std::string info_name_;
+  bool is_identity_ = false;  ///< the images are rectified as they are
+  cv::Size size_;
+  image_geometry::PinholeCameraModel model_;
 };
 
 /// JPEG, PNG and whatever OpenCV reads, as mono8, bgr8, bgra8 or 16 bits of these; what `format`
@@ -26,15 +50,10 @@ struct LoadedFrame {
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
                                       const std::string& topic);
 
-/// The calibration of a raw image. Throws InputError that names the topic if it has none, a useless
-/// one, or that of images of another size.
-std::shared_ptr<const image_geometry::PinholeCameraModel> makeCamera(
-    const sensor_msgs::CameraInfo& info, const std::string& topic, const sensor_msgs::Image& raw);
-
-/// What image_proc makes of a raw image: grey or colour, with the 8 or 16 bits that it has. Throws
+/// What image_proc makes of a raw image: gray or color, with the 8 or 16 bits that it has. Throws
 /// InputError that names the topic.
 sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
-                                   const image_geometry::PinholeCameraModel& camera, bool color);
+                                   const RawCamera& camera, bool color);
 
 /// Reads, unpacks and rectifies. May be used by several threads at once.
 class FrameLoader {
@@ -51,11 +70,18 @@ class FrameLoader {
   }
 
  private:
-  using Camera = std::shared_ptr<const image_geometry::PinholeCameraModel>;
+  using Camera = std::shared_ptr<const RawCamera>;
+  /// The calibration of one camera, and the topic or file that it comes from.
+  struct CalibrationOf {
+    sensor_msgs::CameraInfoConstPtr info;
+    std::string name;
+  };
 
+  CalibrationOf loadInfo(const std::optional<BagMessage>& message, bool right) const;
   sensor_msgs::ImageConstPtr loadImage(const BagMessage& message, const ImageTopic& topic,
-                                       const sensor_msgs::CameraInfo& info, bool color);
-  Camera cameraOf(const sensor_msgs::CameraInfo& info, const std::string& topic,
+                                       const CalibrationOf& calibration, bool color,
+                                       std::vector<std::string>& warnings);
+  Camera cameraOf(const CalibrationOf& calibration, const std::string& topic,
                   const sensor_msgs::Image& raw);
 
   const CameraTopics topics_;

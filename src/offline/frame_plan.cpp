@@ -29,6 +29,15 @@ std::vector<ros::Time> stampsOf(const Messages& messages) {
   return stamps;
 }
 
+std::vector<StampedImage> imagesOf(const Messages& messages) {
+  std::vector<StampedImage> images;
+  images.reserve(messages.size());
+  for (const BagMessage& message : messages) {
+    images.push_back({message.entry->stamp, message.place});
+  }
+  return images;
+}
+
 /// Messages of a topic sorted by stamp.
 class StampedTopic {
  public:
@@ -58,7 +67,11 @@ class StampedTopic {
   std::vector<ros::Time> stamps_;
 };
 
-StampedTopic readInfos(const BagSet& bags, const std::string& topic) {
+/// Empty where the calibration was given.
+StampedTopic readInfos(const BagSet& bags, const CameraTopics& topics, const std::string& topic) {
+  if (topics.cameras) {
+    return StampedTopic({});
+  }
   StampedTopic infos(bags.onTopic(topic));
   if (infos.empty()) {
     throw Error(bags.names() + ": no message on " + topic + ", so the calibration is unknown");
@@ -127,13 +140,17 @@ void countImages(const Messages& left, const Messages& right, const StampPairs& 
 class Companions {
  public:
   Companions(const BagSet& bags, const CameraTopics& topics)
-      : left_infos_(readInfos(bags, topics.left_info)),
-        right_infos_(readInfos(bags, topics.right_info)),
+      : left_infos_(readInfos(bags, topics, topics.left_info)),
+        right_infos_(readInfos(bags, topics, topics.right_info)),
         colors_(topics.color.name.empty() ? Messages() : bags.onTopic(topics.color.name)) {}
 
   PlannedFrame join(const BagMessage& left, const BagMessage& right) const {
     const ros::Time& stamp = left.entry->stamp;
-    PlannedFrame frame{left, right, left_infos_.of(left), right_infos_.of(right), std::nullopt, 0};
+    PlannedFrame frame{left, right, {}, {}, {}, 0};
+    if (!left_infos_.empty()) {
+      frame.left_info = left_infos_.of(left);
+      frame.right_info = right_infos_.of(right);
+    }
     if (!colors_.empty() && colors_.of(left).entry->stamp == stamp) {
       frame.color = colors_.of(left);
     }
@@ -170,6 +187,10 @@ std::string unpairedText(const FramePlan& plan) {
   return images + remedy.data();
 }
 
+bool hasOtherStamp(const std::optional<BagMessage>& info, const BagMessage& image) {
+  return info && info->entry->stamp != image.entry->stamp;
+}
+
 bool isOfSameInterval(const PlannedFrame& a, const PlannedFrame& b, double interval_s) {
   const auto interval = [&](const PlannedFrame& frame) {
     return std::floor(frame.left.entry->stamp.toSec() / interval_s);
@@ -198,8 +219,8 @@ PlanProblems findProblems(const FramePlan& plan) {
   if (plan.equal_stamps > 0) {
     problems.others.push_back(
         std::to_string(plan.equal_stamps) +
-        " pairs have the stamp of the pair before. They are paired in the order of the recording; "
-        "set header.stamp in the driver.");
+        " pairs have the stamp of the pair before. They are paired in the order of the recording, "
+        "so a lost image may pair images of different times. Set header.stamp in the driver.");
   }
   return problems;
 }
@@ -212,7 +233,7 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
   const Messages right = bags.onTopic(topics.right.name);
   const Companions companions(bags, topics);
   const StampPairs pairs =
-      pairStamps(stampsOf(left), stampsOf(right), options.max_stamp_difference_s);
+      pairStamps(imagesOf(left), imagesOf(right), options.max_stamp_difference_s);
   for (const auto& [l, r] : pairs.pairs) {
     PlannedFrame frame = companions.join(left[l], right[r]);
     if (plan.offset_frames.empty() ||
@@ -225,8 +246,8 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
     frame.offset_frame = plan.offset_frames.size() - 1;
     plan.equal_stamps += !plan.frames.empty() && plan.frames.back().left.entry->stamp ==
                                                      frame.left.entry->stamp;
-    plan.infos_of_other_stamps += frame.left_info.entry->stamp != left[l].entry->stamp ||
-                                  frame.right_info.entry->stamp != right[r].entry->stamp;
+    plan.infos_of_other_stamps += hasOtherStamp(frame.left_info, left[l]) ||
+                                  hasOtherStamp(frame.right_info, right[r]);
     plan.frames.push_back(frame);
   }
   countImages(left, right, pairs, plan);

@@ -23,8 +23,8 @@ struct PlanOptions {
 struct PlannedFrame {
   BagMessage left;
   BagMessage right;
-  BagMessage left_info;
-  BagMessage right_info;
+  std::optional<BagMessage> left_info;   ///< none: the calibration was given
+  std::optional<BagMessage> right_info;  ///< none: the calibration was given
   std::optional<BagMessage> color;  ///< with the stamp of the left image
   std::size_t offset_frame = 0;     ///< row of FramePlan::offset_frames
 };

@@ -12,17 +12,21 @@ namespace fs = std::filesystem;
 /// Absolute, without symbolic links as far as the path exists.
 std::string realPath(const std::string& path) {
   std::error_code ignored;
-  const fs::path real = fs::weakly_canonical(path, ignored);
+  const fs::path real = fs::weakly_canonical(fs::absolute(path), ignored);
   return real.empty() ? path : real.string();
 }
 
 }  // namespace
 
-void requireOtherFile(const std::string& input, const std::string& output) {
+bool isSameFile(const std::string& a, const std::string& b) {
   std::error_code missing;
+  return fs::equivalent(a, b, missing) || realPath(a) == realPath(b);
+}
+
+void requireOtherFile(const std::string& input, const std::string& output) {
   const std::string parts = realPath(output) + ".part.";
   const bool is_part = realPath(input).compare(0, parts.size(), parts) == 0;
-  if (fs::equivalent(input, output, missing) || is_part) {
+  if (isSameFile(input, output) || is_part) {
     throw Error("the output " + output + " is the input " + input +
                 ", which would be lost. Choose another name for the output.");
   }

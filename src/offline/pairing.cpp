@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "ros/stamps.h"
 
@@ -15,15 +17,16 @@ struct SortedStamps {
   std::vector<std::vector<std::size_t>> images;
 };
 
-SortedStamps sortStamps(const std::vector<ros::Time>& stamps) {
-  std::vector<std::size_t> order(stamps.size());
+SortedStamps sortStamps(const std::vector<StampedImage>& images) {
+  std::vector<std::size_t> order(images.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return stamps[a] < stamps[b]; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tie(images[a].stamp, images[a].place) < std::tie(images[b].stamp, images[b].place);
+  });
   SortedStamps sorted;
   for (const std::size_t index : order) {
-    if (sorted.stamps.empty() || sorted.stamps.back() != stamps[index]) {
-      sorted.stamps.push_back(stamps[index]);
+    if (sorted.stamps.empty() || sorted.stamps.back() != images[index].stamp) {
+      sorted.stamps.push_back(images[index].stamp);
       sorted.images.emplace_back();
     }
     sorted.images.back().push_back(index);
@@ -31,19 +34,51 @@ SortedStamps sortStamps(const std::vector<ros::Time>& stamps) {
   return sorted;
 }
 
-/// Pairs the images of one left and one right stamp.
-void addPairs(const std::vector<std::size_t>& left, const std::vector<std::size_t>& right,
-              StampPairs& result) {
-  const std::size_t count = std::min(left.size(), right.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    result.pairs.emplace_back(left[i], right[i]);
-  }
-  const auto add_rest = [count](const auto& images, std::vector<std::size_t>& repeated) {
-    repeated.insert(repeated.end(), images.begin() + static_cast<std::ptrdiff_t>(count),
-                    images.end());
+/// An image of one camera comes.
+struct Arrival {
+  std::size_t place;
+  bool is_right;
+  std::size_t image;
+};
+
+/// Pairs the images of one left and one right stamp in the order of `arrivals`.
+void addPairs(const std::vector<Arrival>& arrivals, StampPairs& result) {
+  const auto leave = [&result](const Arrival& image) {
+    (image.is_right ? result.right_repeated : result.left_repeated).push_back(image.image);
   };
-  add_rest(left, result.left_repeated);
-  add_rest(right, result.right_repeated);
+  const Arrival* waiting = nullptr;  // of one camera only: two would be a pair
+  for (const Arrival& next : arrivals) {
+    if (waiting != nullptr && waiting->is_right != next.is_right) {
+      const auto [left, right] = next.is_right ? std::pair(waiting->image, next.image)
+                                               : std::pair(next.image, waiting->image);
+      result.pairs.emplace_back(left, right);
+      waiting = nullptr;
+      continue;
+    }
+    if (waiting != nullptr) {
+      leave(*waiting);
+    }
+    waiting = &next;
+  }
+  if (waiting != nullptr) {
+    leave(*waiting);
+  }
+}
+
+std::vector<Arrival> arrivalsOf(const std::vector<std::size_t>& left_numbers,
+                                const std::vector<StampedImage>& left,
+                                const std::vector<std::size_t>& right_numbers,
+                                const std::vector<StampedImage>& right) {
+  std::vector<Arrival> arrivals;
+  for (const std::size_t l : left_numbers) {
+    arrivals.push_back({left[l].place, false, l});
+  }
+  for (const std::size_t r : right_numbers) {
+    arrivals.push_back({right[r].place, true, r});
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.place < b.place; });
+  return arrivals;
 }
 
 void append(const std::vector<std::size_t>& images, std::vector<std::size_t>& list) {
@@ -68,7 +103,7 @@ std::size_t nearestStamp(const std::vector<ros::Time>& stamps, const ros::Time& 
   return index;
 }
 
-StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
+StampPairs pairStamps(const std::vector<StampedImage>& left, const std::vector<StampedImage>& right,
                       double max_difference_s) {
   StampPairs result;
   const SortedStamps lefts = sortStamps(left);
@@ -82,7 +117,7 @@ StampPairs pairStamps(const std::vector<ros::Time>& left, const std::vector<ros:
                          static_cast<double>(distanceNs(stamp, rights.stamps[j])) <= bound_ns &&
                          nearestStamp(lefts.stamps, rights.stamps[j]) == i;
     if (is_pair) {
-      addPairs(lefts.images[i], rights.images[j], result);
+      addPairs(arrivalsOf(lefts.images[i], left, rights.images[j], right), result);
       taken[j] = true;
     } else {
       append(lefts.images[i], result.left_alone);

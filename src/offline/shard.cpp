@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostShards = 100000;
+constexpr const char* kUnfinished = ".merge";  // behind the name of the output
 
 std::uint64_t costOf(const PlannedFrame& frame, const CameraTopics& topics) {
   return topics.left.compressed ? 1 : frame.left.entry->size;
@@ -174,6 +175,7 @@ MergeSummary mergeShards(const MergeOptions& options) {
   const rosbag::CompressionType compression = compressionOf(options.compression);
   for (const std::string& shard : options.shards) {
     requireOtherFile(shard, options.output);
+    requireOtherFile(shard, options.output + kUnfinished);
   }
   if (fs::exists(options.output) && !options.overwrite) {
     throw Error(options.output +
@@ -191,7 +193,7 @@ MergeSummary mergeShards(const MergeOptions& options) {
   }
   summary.shards = shards.size();
   summary.frames = shards.back().label.end;
-  const std::string written = options.output + ".merge";
+  const std::string written = options.output + kUnfinished;
   {
     const LockFile lock(written, options.output);
     BagWriter writer(written, compression);

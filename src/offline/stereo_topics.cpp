@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/stereo_cameras.h"
 
 namespace cbmv {
 namespace {
@@ -28,8 +29,34 @@ bool isImage(const BagSet& bags, const std::string& topic) {
 
 ImageTopic describeImage(const BagSet& bags, const std::string& topic) {
   const bool compressed = bags.typeOf(topic) == kCompressedType;
-  const std::string image = compressed ? parent(topic) : topic;
-  return {topic, compressed, image.substr(image.rfind('/') + 1).find("rect") == std::string::npos};
+  return {topic, compressed, false};
+}
+
+/// The last part of the name of the images, without /compressed.
+std::string imageName(const ImageTopic& topic) {
+  const std::string image = topic.compressed ? parent(topic.name) : topic.name;
+  return image.substr(image.rfind('/') + 1);
+}
+
+bool looksRectified(const ImageTopic& topic) {
+  return imageName(topic).find("rect") != std::string::npos;
+}
+
+/// Decides whether the images are raw, and says why.
+void chooseRectification(const TopicChoice& choice, CameraTopics& topics) {
+  const bool by_name = choice.rectified == Rectified::kAuto;
+  const bool rectified = by_name ? looksRectified(topics.left) && looksRectified(topics.right)
+                                 : choice.rectified == Rectified::kYes;
+  topics.left.raw = topics.right.raw = !rectified;
+  const std::string images = topics.left.name + " and " + topics.right.name;
+  const std::string option = rectified ? "--rectified yes" : "--rectified no";
+  const std::string other = rectified ? "--rectified no rectifies them first"
+                                      : "--rectified yes takes them as they are";
+  topics.rectification =
+      images + (rectified ? " are taken as rectified: " : " are raw and rectified first: ") +
+      (by_name ? std::string(rectified ? "their names hold" : "not both names hold") +
+                     " \"rect\" (" + other + ")"
+               : option);
 }
 
 /// The namespace of the camera that took the images.
@@ -74,12 +101,19 @@ std::string withoutSlash(std::string name) {
   while (endsWith(name, "/")) {
     name.pop_back();
   }
+  return name;
+}
+
+/// Recordings hold resolved names.
+std::string resolved(const std::string& name) {
   return !name.empty() && name.front() != '/' ? "/" + name : name;
 }
 
 std::pair<std::string, std::string> chooseImages(const BagSet& bags, const TopicChoice& choice) {
   if (!choice.left.empty() || !choice.right.empty()) {
-    for (const std::string& topic : {choice.left, choice.right}) {
+    const std::pair<std::string, std::string> images = {resolved(choice.left),
+                                                        resolved(choice.right)};
+    for (const std::string& topic : {images.first, images.second}) {
       if (topic.empty()) {
         throw Error("--left and --right go together: name both topics or none");
       }
@@ -87,12 +121,16 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
         throw noTopics(bags, "there are no images on " + topic);
       }
     }
-    return {choice.left, choice.right};
+    if (images.first == images.second) {
+      throw Error("--left and --right are both " + images.first +
+                  ", expected the topics of two cameras. Name the other one.");
+    }
+    return images;
   }
   if (!choice.camera_namespace.empty()) {
-    auto images = imagesIn(bags, withoutSlash(choice.camera_namespace));
+    auto images = imagesIn(bags, resolved(withoutSlash(choice.camera_namespace)));
     if (images.first.empty()) {
-      throw noTopics(bags, "no stereo pair below " + withoutSlash(choice.camera_namespace));
+      throw noTopics(bags, "no stereo pair below " + resolved(withoutSlash(choice.camera_namespace)));
     }
     return images;
   }
@@ -115,14 +153,17 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
 std::string findInfo(const BagSet& bags, const ImageTopic& image) {
   std::string topic = cameraOf(image) + "/camera_info";
   if (bags.typeOf(topic) != "sensor_msgs/CameraInfo") {
-    throw noTopics(bags, "no calibration for " + image.name + ": " + topic + " is missing");
+    throw noTopics(bags, "no calibration for " + image.name + ": " + topic +
+                             " is missing. Give files by --left-calibration and "
+                             "--right-calibration");
   }
   return topic;
 }
 
-/// As the live node: image_rect_color beside the left images. Raw images have their own colour.
+/// As the live node: image_rect_color beside the left images. Images of other names have their own
+/// color.
 ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
-  if (left.raw) {
+  if (left.raw || !looksRectified(left)) {
     return left;
   }
   for (const char* name : {"/image_rect_color", "/image_rect_color/compressed"}) {
@@ -134,6 +175,20 @@ ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
   return {};
 }
 
+/// From files; only P counts of calibrations of rectified images.
+void takeCalibrations(const TopicChoice& choice, CameraTopics& topics) {
+  const StereoCameraFile file =
+      readStereoCameras(choice.left_calibration, choice.right_calibration);
+  if (file.rectified && topics.left.raw) {
+    throw Error(choice.left_calibration + " (" + file.description +
+                ") describes rectified images, but " + topics.rectification + ".");
+  }
+  topics.cameras = file.cameras;
+  topics.left_info = choice.left_calibration;
+  topics.right_info =
+      choice.right_calibration.empty() ? choice.left_calibration : choice.right_calibration;
+}
+
 }  // namespace
 
 CameraTopics findCameraTopics(const BagSet& bags, const TopicChoice& choice) {
@@ -141,11 +196,17 @@ CameraTopics findCameraTopics(const BagSet& bags, const TopicChoice& choice) {
   CameraTopics topics;
   topics.left = describeImage(bags, left);
   topics.right = describeImage(bags, right);
-  topics.left_info = findInfo(bags, topics.left);
-  topics.right_info = findInfo(bags, topics.right);
+  chooseRectification(choice, topics);
+  if (!choice.left_calibration.empty()) {
+    takeCalibrations(choice, topics);
+  } else {
+    topics.left_info = findInfo(bags, topics.left);
+    topics.right_info = findInfo(bags, topics.right);
+  }
   topics.color = findColor(bags, topics.left);
-  topics.output_namespace = choice.camera_namespace.empty() ? parent(cameraOf(topics.left))
-                                                            : withoutSlash(choice.camera_namespace);
+  topics.output_namespace = choice.camera_namespace.empty()
+                                ? parent(cameraOf(topics.left))
+                                : resolved(withoutSlash(choice.camera_namespace));
   return topics;
 }
 

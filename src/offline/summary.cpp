@@ -59,6 +59,7 @@ std::string describeSummary(const ConversionSummary& summary) {
             " ms of matching a frame, " + std::to_string(summary.threads) + " threads";
   }
   text += "\n";
+  text += "  " + plan.topics.rectification + "\n";
   text += count(plan.left_alone, "left images have no partner on " + plan.topics.right.name);
   text += count(plan.right_alone, "right images have no partner on " + plan.topics.left.name);
   text += count(plan.repeated_stamps, "images have the stamp of others and no partner");
@@ -84,6 +85,8 @@ std::string summaryJson(const ConversionSummary& summary) {
   const nlohmann::json json = {
       {"left_topic", plan.topics.left.name},
       {"right_topic", plan.topics.right.name},
+      {"rectified_by_us", plan.topics.left.raw},
+      {"rectification", plan.topics.rectification},
       {"frames", plan.framesToProcess()},
       {"frames_processed", summary.processed},
       {"frames_resumed", summary.resumed},

@@ -74,9 +74,15 @@ PreparedPair FrameProcessor::prepare(const StereoInput& input) const {
 }
 
 VerticalOffset FrameProcessor::estimateOffset(const PreparedPair& pair) const {
+  return toCorrection(measureOffset(pair), pair.images.left.size(),
+                      wantedOptions().rectification);
+}
+
+VerticalOffsetMeasurement FrameProcessor::measureOffset(const PreparedPair& pair) const {
   const StereoOptions options = wantedOptions();
-  return OwnOffset().offsetOf(pair.images, clipRange(options.range, pair.images.left.cols),
-                              options.rectification);
+  return measureVerticalOffset(pair.images.left, pair.images.right,
+                               clipRange(options.range, pair.images.left.cols),
+                               options.rectification);
 }
 
 ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& offset) {

@@ -28,6 +28,7 @@ TEST_F(BagCheckTest, TellsWhatIsThere) {
   const BagCheck found = check();
   EXPECT_THAT(found.problems, IsEmpty());
   EXPECT_TRUE(mentions(found.text, {"/stereo/left/image_rect  sensor_msgs/Image  3", "3 pairs",
+                                    "are taken as rectified: their names hold \"rect\"",
                                     "focal length 120.0 px, baseline 0.2500 m", "96 x 64 px",
                                     "to 15 px reach from 2.00 m on", "ms of matching a frame"}));
 }

@@ -234,6 +234,15 @@ TEST_F(CbmvBagTest, RefusesDifferentFrameIdsIfAsked) {
             2 * messagesOf(folder_.file("refused.bag")).size());
 }
 
+TEST_F(CbmvBagTest, TakesAnAnswerWhetherImagesAreRectified) {
+  writeRecording(folder_.file("in.bag"), 1);
+  for (const char* answer : {"yes", "no", "auto"}) {
+    EXPECT_EQ(run("out.bag", std::string("--overwrite --rectified ") + answer).status, 0) << answer;
+  }
+  EXPECT_EQ(run("out.bag", "--overwrite --rectified maybe").status, 2);
+  EXPECT_EQ(run("out.bag", "--overwrite --right-calibration right.yaml").status, 2);
+}
+
 TEST_F(CbmvBagTest, StatusSaysThatTheInputIsDamaged) {
   writeRecording(folder_.file("in.bag"), 6);
   fs::resize_file(folder_.file("in.bag"), fs::file_size(folder_.file("in.bag")) / 2);
@@ -281,7 +290,33 @@ TEST_F(CbmvBagTest, KeepsTheRecordingThatIsNamedAsOutput) {
   expectRefusal(test::run("cbmv_bag", "merge " + folder_.file("in.bag") + " --overwrite --output " +
                                           folder_.file("./in.bag")),
                 {"is the input", "in.bag"});
+  expectRefusal(test::run("cbmv_bag", "check " + folder_.file("in.bag") + " --forest " +
+                                          folder_.file("fixture.forest") + " --json " +
+                                          folder_.file("in.bag")),
+                {"is the input", "in.bag"});
   EXPECT_EQ(contentOf(folder_.file("in.bag")), content);
+}
+
+TEST_F(CbmvBagTest, SummaryIsNotWrittenOverTheOutput) {
+  writeRecording(folder_.file("in.bag"), 1);
+  expectRefusal(run("out.bag", "--json " + folder_.file("./out.bag")), {"--json and --output"});
+  EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
+  EXPECT_EQ(run("out/", "").status, 0);
+  expectRefusal(run("out/", "--overwrite --json " + folder_.file("out/index.csv")),
+                {"--json and --output"});
+}
+
+/// The merge writes beside its output, and removes that file.
+TEST_F(CbmvBagTest, MergeKeepsTheShardThatIsNamedAsItsOwnFile) {
+  writeRecording(folder_.file("in.bag"), 2);
+  const std::string first = folder_.file("all.bag.merge");
+  ASSERT_EQ(run("all.bag.merge", "--shard 1/2").status, 0);
+  ASSERT_EQ(run("2.bag", "--shard 2/2").status, 0);
+  const std::string content = contentOf(first);
+  expectRefusal(test::run("cbmv_bag", "merge " + first + " " + folder_.file("2.bag") +
+                                          " --output " + folder_.file("all.bag")),
+                {"is the input", "all.bag.merge"});
+  EXPECT_EQ(contentOf(first), content);
 }
 
 TEST_F(CbmvBagTest, FindsOutputsThatCannotBeWrittenBeforeTheWork) {

@@ -17,10 +17,15 @@
 #include "support/error_text.h"
 #include "support/file_content.h"
 
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "cbmv_stereo/io/camera_yaml.h"
+
 namespace cbmv {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 class ConversionTest : public testing::Test {
  protected:
@@ -298,11 +303,201 @@ TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
   bag.close();
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
                        {"in.bag", "no stereo pair", "/mono/image_raw  sensor_msgs/Image  1"}));
-  options_.topics = {"/mono/image_raw", "/mono/image_raw", ""};
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"/mono/camera_info is missing"}));
-  options_.topics = {"/mono/image_raw", "", ""};
+  options_.topics.left = options_.topics.right = "/mono/image_raw";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"are both /mono/image_raw"}));
+  options_.topics.right = "/other/image_raw";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"no images on /other/image_raw"}));
+  options_.topics.right.clear();
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--left and --right"}));
   EXPECT_FALSE(fs::exists(output_ + ".part.json"));
+}
+
+/// Pairs named image_raw that are rectified already, with the calibration of before, as kitti2bag
+/// writes them.
+class RectifiedAsRaw : public ConversionTest {
+ protected:
+  RectifiedAsRaw() {
+    rosbag::Bag bag(input_, rosbag::bagmode::Write);
+    RenderOptions render;
+    const RenderedScene scene = renderScene(320, 240, 1, render);
+    PairMessages messages = makeMessages({scene.left, scene.right, {}},
+                                         {300, 0.1, 159.5, 159.5, 119.5}, ros::Time(100));
+    for (const bool left : {true, false}) {
+      sensor_msgs::CameraInfo& info = left ? *messages.left_info : *messages.right_info;
+      info.distortion_model = "plumb_bob";
+      info.D = {left ? -0.3 : -0.25, 0.1, 0, 0, 0};
+      info.K = {left ? 305.0 : 310.0, 0, 158, 0, left ? 305.0 : 310.0, left ? 121.0 : 124.0,
+                0, 0, 1};
+    }
+    const ros::Time time(100);
+    bag.write("/kitti/left/image_raw", time, messages.left_image);
+    bag.write("/kitti/left/camera_info", time, messages.left_info);
+    bag.write("/kitti/right/image_raw", time, messages.right_image);
+    bag.write("/kitti/right/camera_info", time, messages.right_info);
+    options_.matching.stereo.range = {0, 40};
+    live_ = processLive(messages).result.disparity;
+  }
+  cv::Mat disparity() {
+    const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/kitti/disparity");
+    return found.size() == 1 ? toValidDisparity(*found[0], "") : cv::Mat();
+  }
+
+  cv::Mat live_;
+};
+
+TEST_F(RectifiedAsRaw, AreWarnedOf) {
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.plan.topics.left.raw);
+  EXPECT_TRUE(mentions(describeSummary(summary),
+                       {"/kitti/left/image_raw and /kitti/right/image_raw are raw and rectified "
+                        "first: not both names hold \"rect\"",
+                        "warning", "probably rectified already; use --rectified yes"}));
+  EXPECT_TRUE(mentions(summaryJson(summary), {"\"rectified_by_us\": true"}));
+}
+
+TEST_F(RectifiedAsRaw, AreTakenAsTheyAreIfTheUserSaysSo) {
+  options_.topics.rectified = Rectified::kYes;
+  const ConversionSummary summary = convert(options_);
+  EXPECT_TRUE(summary.warnings.empty());
+  EXPECT_TRUE(mentions(describeSummary(summary), {"are taken as rectified: --rectified yes"}));
+  EXPECT_TRUE(mentions(summaryJson(summary), {"\"rectified_by_us\": false"}));
+  ASSERT_EQ(disparity().size(), live_.size());
+  EXPECT_EQ(cv::norm(disparity(), live_, cv::NORM_INF), 0);
+}
+
+/// Frames of both would be mixed.
+TEST_F(RectifiedAsRaw, AreNotResumedWithAnotherChoice) {
+  ConversionEvents events;
+  events.should_stop = [] { return true; };
+  convertBags(options_, forest_, events);
+  options_.earlier = EarlierParts::kResume;
+  options_.topics.rectified = Rectified::kYes;
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"other options"}));
+  options_.topics.rectified = Rectified::kNo;  // what was chosen by the name
+  EXPECT_TRUE(convert(options_).was_written);
+}
+
+TEST_F(RectifiedAsRaw, AreToldOfBeforeTheWork) {
+  ConversionEvents events;
+  std::size_t told = 0;
+  events.begin = [&](const ConversionSummary& summary) {
+    ++told;
+    EXPECT_EQ(summary.processed, 0U);
+    EXPECT_THAT(summary.plan.topics.rectification, HasSubstr("are raw and rectified first"));
+    EXPECT_THAT(summary.warnings, ElementsAre(HasSubstr("use --rectified yes")));
+  };
+  convertBags(options_, forest_, events);
+  EXPECT_EQ(told, 1U);
+}
+
+TEST_F(RectifiedAsRaw, MayBeNamedRelatively) {
+  options_.topics.left = "kitti/left/image_raw";
+  options_.topics.right = "kitti/right/image_raw";
+  options_.topics.rectified = Rectified::kYes;
+  EXPECT_TRUE(convert(options_).isComplete());
+}
+
+/// Without camera_info, or in its place.
+TEST_F(ConversionTest, CalibrationsMayBeFiles) {
+  const PairMessages messages = recordedFrame(0);
+  rosbag::Bag bag(input_, rosbag::bagmode::Write);
+  bag.write("/cam0/image_rect", ros::Time(100), messages.left_image);
+  bag.write("/cam1/image_rect", ros::Time(100), messages.right_image);
+  bag.close();
+  options_.topics.left = "/cam0/image_rect";
+  options_.topics.right = "/cam1/image_rect";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+                       {"/cam0/camera_info is missing", "--left-calibration"}));
+  sensor_msgs::CameraInfo right = *messages.right_info;
+  right.P[3] *= 2;
+  writeCameraYaml(folder_.file("left.yaml"), toCameraCalibration(*messages.left_info));
+  writeCameraYaml(folder_.file("right.yaml"), toCameraCalibration(right));
+  options_.topics.left_calibration = folder_.file("left.yaml");
+  options_.topics.right_calibration = folder_.file("right.yaml");
+  options_.topics.camera_namespace = "stereo";
+  EXPECT_TRUE(convert(options_).isComplete());
+  ASSERT_EQ(disparities(output_).size(), 1U);
+  EXPECT_FLOAT_EQ(disparities(output_)[0]->T, 0.5F);
+}
+
+/// A recording without camera_info, of images with these names, and files of its calibration.
+class CalibratedByFiles : public ConversionTest {
+ protected:
+  void write(const std::string& image, const cv::Mat& pixels, const std::string& encoding) {
+    const PairMessages messages = recordedFrame(0);
+    rosbag::Bag bag(input_, rosbag::bagmode::Write);
+    for (const char* camera : {"/cam0/", "/cam1/"}) {
+      bag.write(camera + image, ros::Time(100),
+                makeImage(pixels, encoding, messages.left_image->header));
+    }
+    bag.close();
+    options_.topics.left = "/cam0/" + image;
+    options_.topics.right = "/cam1/" + image;
+    options_.topics.left_calibration = folder_.file("left.yaml");
+    options_.topics.right_calibration = folder_.file("right.yaml");
+    writeFiles(*messages.left_info, *messages.right_info);
+  }
+  void writeFiles(const sensor_msgs::CameraInfo& left, const sensor_msgs::CameraInfo& right) {
+    writeCameraYaml(options_.topics.left_calibration, toCameraCalibration(left));
+    writeCameraYaml(options_.topics.right_calibration, toCameraCalibration(right));
+  }
+  std::string failure() {
+    const ConversionSummary summary = convert(options_);
+    return summary.failures.empty() ? "" : summary.failures.begin()->first;
+  }
+};
+
+TEST_F(CalibratedByFiles, AreNotResumedWithAnotherCalibration) {
+  write("image_rect", renderPair({96, 64}, 3, 8).left, "mono8");
+  ConversionEvents events;
+  events.should_stop = [] { return true; };
+  convertBags(options_, forest_, events);
+  sensor_msgs::CameraInfo right = *recordedFrame(0).right_info;
+  right.P[3] *= 1 + 1e-9;
+  writeFiles(*recordedFrame(0).left_info, right);
+  options_.earlier = EarlierParts::kResume;
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"other options"}));
+  writeFiles(*recordedFrame(0).left_info, *recordedFrame(0).right_info);
+  EXPECT_TRUE(convert(options_).was_written);
+}
+
+TEST_F(CalibratedByFiles, NameTheFileThatCannotBeUsed) {
+  write("image_raw", renderPair({96, 64}, 3, 8).left, "mono8");
+  sensor_msgs::CameraInfo left = *recordedFrame(0).left_info;
+  left.distortion_model = "fisheye";
+  left.D.assign(4, 0.0);
+  writeFiles(left, *recordedFrame(0).right_info);
+  EXPECT_TRUE(mentions(failure(), {"/cam0/image_raw is raw, but ", "left.yaml has the unknown "
+                                   "distortion model 'fisheye'"}));
+}
+
+/// Middlebury's calib.txt tells nothing of raw images.
+TEST_F(CalibratedByFiles, OfRectifiedImagesRectifyNothing) {
+  write("image_raw", renderPair({96, 64}, 3, 8).left, "mono8");
+  options_.topics.left_calibration = folder_.file("calib.txt");
+  options_.topics.right_calibration.clear();
+  std::ofstream(options_.topics.left_calibration)
+      << "cam0=[120 0 62.5; 0 120 40.25; 0 0 1]\ncam1=[120 0 62.5; 0 120 40.25; 0 0 1]\n"
+         "doffs=0\nbaseline=250\nwidth=96\nheight=64\nndisp=16\n";
+  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+                       {"calib.txt", "describes rectified images, but /cam0/image_raw",
+                        "--rectified yes takes them as they are"}));
+  options_.topics.rectified = Rectified::kYes;
+  EXPECT_TRUE(convert(options_).was_written);
+}
+
+/// image_rect_color beside them is what clouds of other rectified images are colored by.
+TEST_F(CalibratedByFiles, CloudsTakeTheColorsOfImagesThatAreNotNamedRectified) {
+  write("image_raw", cv::Mat(64, 96, CV_8UC3, cv::Scalar(200, 100, 0)), "bgr8");
+  options_.topics.rectified = Rectified::kYes;
+  options_.outputs = {"cloud"};
+  options_.matching.stereo.range = {2, 3};  // nothing to see: any disparity will do
+  convert(options_);
+  const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
+  ASSERT_EQ(clouds.size(), 1U);
+  const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
+  EXPECT_EQ(center[0], 200);
+  EXPECT_EQ(center[1], 100);
 }
 
 TEST_F(ConversionTest, ChoosesAmongCameras) {

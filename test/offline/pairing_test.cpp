@@ -11,11 +11,23 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-std::vector<ros::Time> times(const std::vector<double>& seconds) {
-  std::vector<ros::Time> stamps(seconds.size());
-  std::transform(seconds.begin(), seconds.end(), stamps.begin(),
-                 [](double second) { return ros::Time(second); });
-  return stamps;
+/// Recorded one after the other: all before those of the other camera, unless places are given.
+std::vector<StampedImage> times(const std::vector<double>& seconds) {
+  std::vector<StampedImage> images(seconds.size());
+  std::transform(seconds.begin(), seconds.end(), images.begin(),
+                 [place = std::size_t{0}](double second) mutable {
+                   return StampedImage{ros::Time(second), place++};
+                 });
+  return images;
+}
+
+/// Images of one stamp at these places of the recording.
+std::vector<StampedImage> ofOneStamp(const std::vector<std::size_t>& places) {
+  std::vector<StampedImage> images;
+  for (const std::size_t place : places) {
+    images.push_back({ros::Time(0), place});
+  }
+  return images;
 }
 
 TEST(PairStamps, TakesEqualStampsInAnyOrder) {
@@ -25,19 +37,28 @@ TEST(PairStamps, TakesEqualStampsInAnyOrder) {
   EXPECT_EQ(pairs.right_alone, (std::vector<std::size_t>{1}));
 }
 
-TEST(PairStamps, PairsRepeatedStampsInTheOrderOfTheRecording) {
-  const StampPairs pairs = pairStamps(times({0, 0, 0, 5}), times({0, 5, 0, 0}), 0);
-  EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {1, 2}, {2, 3}, {3, 1}}));
+TEST(PairStamps, PairsEqualStampsInTheOrderOfTheRecording) {
+  const StampPairs pairs = pairStamps(ofOneStamp({0, 3, 4}), ofOneStamp({1, 2, 5}), 0);
+  EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {1, 1}, {2, 2}}));
   EXPECT_TRUE(pairs.left_repeated.empty());
   EXPECT_TRUE(pairs.right_repeated.empty());
 }
 
-TEST(PairStamps, LeavesOutRepeatedStampsWithoutPartner) {
-  const StampPairs pairs = pairStamps(times({1, 1, 2}), times({1, 2, 2, 2}), 0);
-  EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {2, 1}}));
+/// As the live node: the image that comes next replaces the one whose partner was lost.
+TEST(PairStamps, LostRightImageDoesNotShiftThoseAfterIt) {
+  // left 0, 1, 2, 3 and the right images of 0, 2 and 3
+  const StampPairs pairs = pairStamps(ofOneStamp({0, 2, 3, 5}), ofOneStamp({1, 4, 6}), 0);
+  EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {2, 1}, {3, 2}}));
   EXPECT_EQ(pairs.left_repeated, (std::vector<std::size_t>{1}));
-  EXPECT_EQ(pairs.right_repeated, (std::vector<std::size_t>{2, 3}));
-  EXPECT_TRUE(pairs.right_alone.empty());
+  EXPECT_TRUE(pairs.left_alone.empty());
+}
+
+/// Split recordings that overlap.
+TEST(PairStamps, MessagesThatAreThereTwiceArePairedOnce) {
+  const StampPairs pairs = pairStamps(ofOneStamp({0, 1}), ofOneStamp({2, 3}), 0);
+  EXPECT_EQ(pairs.pairs, (Pairs{{1, 0}}));
+  EXPECT_EQ(pairs.left_repeated, (std::vector<std::size_t>{0}));
+  EXPECT_EQ(pairs.right_repeated, (std::vector<std::size_t>{1}));
 }
 
 TEST(PairStamps, NothingMayBeThere) {
@@ -56,24 +77,25 @@ TEST(PairStamps, StampsMayBeACenturyApart) {
   const std::vector<ros::Time> stamps = {ros::Time(1, 0), ros::Time(4200000000, 5)};
   EXPECT_EQ(distanceNs(stamps[0], stamps[1]), 4199999999000000005);
   EXPECT_EQ(nearestStamp(stamps, ros::Time(2000000000, 0)), 0U);
-  const StampPairs pairs = pairStamps(stamps, {ros::Time(2100000000, 0)}, 0.5);
+  const std::vector<StampedImage> left = {{stamps[0], 0}, {stamps[1], 1}};
+  const StampPairs pairs = pairStamps(left, {{ros::Time(2100000000, 0), 2}}, 0.5);
   EXPECT_EQ(pairs.left_alone.size(), 2U);
 }
 
 /// Each the other's nearest, by comparing all with all.
-Pairs referencePairs(const std::vector<ros::Time>& left, const std::vector<ros::Time>& right,
+Pairs referencePairs(const std::vector<StampedImage>& left, const std::vector<StampedImage>& right,
                      double bound_s) {
-  const auto distance = [](const ros::Time& a, const ros::Time& b) {
-    return std::abs((a - b).toSec());
+  const auto distance = [](const StampedImage& a, const StampedImage& b) {
+    return std::abs((a.stamp - b.stamp).toSec());
   };
   Pairs pairs;
   for (std::size_t l = 0; l < left.size(); ++l) {
     for (std::size_t r = 0; r < right.size(); ++r) {
       bool nearest = distance(left[l], right[r]) <= bound_s;
-      for (const ros::Time& other : right) {
+      for (const StampedImage& other : right) {
         nearest = nearest && distance(left[l], other) >= distance(left[l], right[r]);
       }
-      for (const ros::Time& other : left) {
+      for (const StampedImage& other : left) {
         nearest = nearest && distance(other, right[r]) >= distance(left[l], right[r]);
       }
       if (nearest) {

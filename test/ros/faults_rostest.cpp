@@ -136,7 +136,8 @@ TEST_F(MessageFaults, NumbersInCameraInfoThatAreNone) {
                   kLeftInfo + " has no usable");
     expectRefused([&](PairMessages& m) { m.right_info->P[5] = value; },
                   kRightInfo + " has no usable");
-    expectRefused([&](PairMessages& m) { m.right_info->P[3] = -value; }, kRightInfo + " has P[3]");
+    expectRefused([&](PairMessages& m) { m.right_info->P[3] = -value; },
+                  kRightInfo + (value < 0 ? " have a negative baseline" : " have no baseline"));
   }
 }
 

@@ -67,11 +67,15 @@ CalibrationCheck checkCalibration(const StereoCameras& cameras, cv::Size image_s
 /// The geometry of a calibration that can be used. Throws InputError with the first error else.
 const StereoGeometry& requireUsable(const CalibrationCheck& check);
 
+/// Whether all coefficients of the distortion are zero, or there is none.
+bool hasNoCoefficients(const CameraCalibration& camera);
+
 /// Whether the nine numbers are a rotation matrix: orthonormal within 1e-3, determinant 1.
 bool isRotation(const std::array<double, 9>& matrix);
 
-/// Whether an image needs no rectification: D is zero, R the identity and P's camera matrix K, each
-/// within 1e-6 (of the focal length for K).
+/// Whether an image needs no rectification: D is zero (of a model that leaves the image as it is
+/// then: not of equidistant), R the identity and P's camera matrix K, each within 1e-6 (of the focal
+/// length for K).
 bool isIdentity(const CameraCalibration& camera);
 
 /// "640 x 480 px".

@@ -24,6 +24,14 @@ struct GrayPair {
 /// An image that is gray with 8 bits already shares its memory with the result.
 GrayPair toGrayPair(const cv::Mat& left, const cv::Mat& right);
 
+/// Converts one image to gray as above, and keeps its bits: CV_8UC1 or CV_16UC1. May share memory
+/// with `image`.
+cv::Mat toGray(const cv::Mat& image);
+
+/// Converts one image to three channels (blue, green, red) and keeps its bits. May share memory with
+/// `image`.
+cv::Mat toColor(const cv::Mat& image);
+
 /// Converts one image to CV_8UC3 (blue, green, red); 16 bits are stretched as above, with one
 /// stretch for all channels. May share memory with `image`.
 cv::Mat toColor8(const cv::Mat& image);

@@ -56,9 +56,13 @@ class FrameProcessor {
   /// if the images or the calibration cannot be used.
   PreparedPair prepare(const StereoInput& input) const;
 
-  /// The vertical offset of the pair by itself, with the options of the constructor or of the newest
-  /// setOptions; by several threads at once. Throws InputError if no disparity fits the images.
+  /// The vertical offset that is corrected, from the pair by itself, with the options of the
+  /// constructor or of the newest setOptions; by several threads at once. Throws InputError if no
+  /// disparity fits the images.
   VerticalOffset estimateOffset(const PreparedPair& pair) const;
+
+  /// The same as it is measured, however small.
+  VerticalOffsetMeasurement measureOffset(const PreparedPair& pair) const;
 
   /// One pair at a time. Throws InputError if the images are too large, or no disparity fits them.
   ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset);

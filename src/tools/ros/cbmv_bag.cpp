@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,16 +73,34 @@ void reportOutput(const std::string& output, const ConversionSummary& summary) {
   std::printf(text, output.c_str());
 }
 
+/// Before a long run, which may have to be another one.
+void reportPlan(const ConversionSummary& summary) {
+  std::printf("%s\n", summary.plan.topics.rectification.c_str());
+  std::fflush(stdout);
+  for (const std::string& warning : summary.warnings) {
+    std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
+  }
+}
+
 /// Before the work, whose result could not be kept.
-void requireWritable(const Arguments& arguments) {
-  const ConversionOptions& options = arguments.conversion;
-  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+void requireWritableJson(const Arguments& arguments) {
   if (arguments.json.empty()) {
     return;
   }
   requireWritableFile(arguments.json);
-  for (const std::string& input : options.inputs) {
+  for (const std::string& input : arguments.conversion.inputs) {
     requireOtherFile(input, arguments.json);
+  }
+}
+
+void requireWritable(const Arguments& arguments) {
+  const ConversionOptions& options = arguments.conversion;
+  options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
+  requireWritableJson(arguments);
+  const std::string written = options.files ? options.output + "/index.csv" : options.output;
+  if (!arguments.json.empty() && isSameFile(arguments.json, written)) {
+    throw Error("--json and --output both write " + written +
+                ", expected two files. Choose another name for one of them.");
   }
 }
 
@@ -101,6 +120,7 @@ int convert(Arguments& arguments) {
   {
     ProgressBar bar(stderr, isTerminal(stderr));
     ConversionEvents events;
+    events.begin = reportPlan;
     events.progress = [&](std::size_t done, std::size_t total) {
       bar.show("frames", static_cast<int>(done), static_cast<int>(total), "");
     };
@@ -121,6 +141,7 @@ int convert(Arguments& arguments) {
 
 int check(Arguments& arguments) {
   arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  requireWritableJson(arguments);
   const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
@@ -148,6 +169,24 @@ void addInput(CLI::App& app, Arguments& arguments) {
   app.add_option("--right", options.topics.right, "Topic of the right images");
   app.add_option("--namespace", options.topics.camera_namespace,
                  "Namespace of left/… and right/…, and of what is written");
+  const std::map<std::string, Rectified> rectified = {
+      {"auto", Rectified::kAuto}, {"yes", Rectified::kYes}, {"no", Rectified::kNo}};
+  app.add_option_function<std::string>(
+         "--rectified",
+         [&options, rectified](const std::string& answer) {
+           options.topics.rectified = rectified.at(answer);
+         },
+         "Whether the images are rectified; auto: those whose topic's name holds \"rect\". Others "
+         "are rectified first")
+      ->check(CLI::IsMember(rectified))
+      ->default_str("auto");
+  CLI::Option* const calibration = app.add_option(
+      "--left-calibration", options.topics.left_calibration,
+      "Calibration instead of camera_info: YAML of the left camera (ROS, or EuRoC's sensor.yaml), "
+      "or a file for both cameras (KITTI, Middlebury)");
+  app.add_option("--right-calibration", options.topics.right_calibration,
+                 "YAML of the right camera")
+      ->needs(calibration);
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
                  "Between the images of a pair; 0: none")
       ->check(nonNegativeNumber())

@@ -1,0 +1,61 @@
+#include "offline/double_rectification.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "offline/frame_loader.h"
+#include "ros/image_conversion.h"
+
+#include "cbmv_stereo/pipeline/frame_processor.h"
+#include "cbmv_stereo/rectification/vertical_offset.h"
+
+namespace cbmv {
+namespace {
+
+// Rows of a rectified pair are closer than the first; of a raw pair they hardly ever are. Sub-pixel
+// noise alone does not reach the second.
+constexpr double kRectifiedPx = 1.0;
+constexpr double kNoticeablePx = 0.2;
+constexpr double kClearlyWorse = 2.0;
+
+VerticalOffsetMeasurement measure(const CameraTopics& topics, const PlannedFrame& frame,
+                                  StereoOptions options) {
+  FrameLoader loader(topics, false);
+  const LoadedFrame loaded = loader.load(frame);
+  const GrayPair pair = toGrayPair(toStereoInput(loaded.messages, loader.topicNames(), true));
+  options.rectification.enabled = true;
+  return measureVerticalOffset(pair.left, pair.right, clipRange(options.range, pair.left.cols),
+                               options.rectification);
+}
+
+}  // namespace
+
+std::string doubleRectificationWarning(const CameraTopics& topics, const PlannedFrame& frame,
+                                       const StereoOptions& options) {
+  CameraTopics as_they_are = topics;
+  as_they_are.left.raw = as_they_are.right.raw = false;
+  try {
+    const VerticalOffsetMeasurement before = measure(as_they_are, frame, options);
+    const VerticalOffsetMeasurement after = measure(topics, frame, options);
+    const bool is_known = after.model.matches > 0;
+    if (before.model.matches == 0 || before.rms_before_px > kRectifiedPx ||
+        (is_known && after.rms_before_px <
+                         std::max(kNoticeablePx, kClearlyWorse * before.rms_before_px))) {
+      return {};
+    }
+    std::array<char, 64> apart{};
+    std::snprintf(apart.data(), apart.size(), is_known ? "%.2f px apart" : "too far apart to measure",
+                  after.rms_before_px);
+    std::array<char, 400> text{};
+    std::snprintf(text.data(), text.size(),
+                  ": the rows of the pair are %s after rectification, %.2f px before. The images are "
+                  "probably rectified already; use --rectified yes.",
+                  apart.data(), before.rms_before_px);
+    return topics.left.name + " and " + topics.right.name + text.data();
+  } catch (const InputError&) {
+    return {};  // it is said of the frame itself
+  }
+}
+
+}  // namespace cbmv

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "offline/frame_plan.h"
+
+#include "cbmv_stereo/pipeline/options.h"
+
+namespace cbmv {
+
+/// Rectifying images that are rectified already spoils them without a word: one sentence if the rows
+/// of the pair are clearly farther apart after rectification than before; else, and where that cannot
+/// be measured, empty. Of topics that are raw.
+std::string doubleRectificationWarning(const CameraTopics& topics, const PlannedFrame& frame,
+                                       const StereoOptions& options);
+
+}  // namespace cbmv

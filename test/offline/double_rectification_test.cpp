@@ -1,0 +1,78 @@
+#include "offline/double_rectification.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "recording.h"
+#include "ros/raw_rig.h"
+
+#include "cbmv_stereo/evaluation/rendered_scene.h"
+
+namespace cbmv {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+PairMessages rectifiedPair() {
+  const RenderedScene scene = renderScene(220, 160, 1, {});
+  return makeMessages({scene.left, scene.right, {}}, {185, 0.1, 109.5, 109.5, 79.5},
+                      ros::Time(100));
+}
+
+/// The same lens with so much of its distortion, turn and decentering.
+Lens weakened(const Lens& lens, double share) {
+  Lens weak = lens;
+  weak.matrix = cv::Matx33d(185, 0, 109.5, 0, 185, 79.5, 0, 0, 1) * (1 - share) +
+                lens.matrix * share;
+  for (double& coefficient : weak.distortion) {
+    coefficient *= share;
+  }
+  weak.rotation *= share;
+  return weak;
+}
+
+class DoubleRectification : public testing::Test {
+ protected:
+  /// Of a recording of the pair as raw images.
+  std::string warning(const PairMessages& messages) {
+    rosbag::Bag bag(input_, rosbag::bagmode::Write);
+    for (const bool right : {false, true}) {
+      const std::string camera = right ? "/right" : "/left";
+      bag.write(camera + "/image_raw", ros::Time(100),
+                right ? messages.right_image : messages.left_image);
+      bag.write(camera + "/camera_info", ros::Time(100),
+                right ? messages.right_info : messages.left_info);
+    }
+    bag.close();
+    const BagSet bags({input_});
+    const FramePlan plan = planFrames(bags, findCameraTopics(bags, {}), {});
+    StereoOptions options;
+    options.range = {0, 48};
+    return doubleRectificationWarning(plan.topics, plan.frames.at(0), options);
+  }
+
+  TemporaryFolder folder_;
+  std::string input_ = folder_.file("in.bag");
+};
+
+/// Weak lenses leave rows of raw images nearly aligned.
+TEST_F(DoubleRectification, IsNotSuspectedOfRawImages) {
+  for (const double share : {1.0, 0.3, 0.1, 0.03, 0.01}) {
+    PairMessages messages = rectifiedPair();
+    makeRaw(weakened(kLeftLens, share), weakened(kRightLens, share), messages);
+    EXPECT_THAT(warning(messages), IsEmpty()) << share;
+  }
+}
+
+TEST_F(DoubleRectification, IsSuspectedWhereRowsAreWorseAfterwards) {
+  for (const double share : {1.0, 0.3}) {
+    PairMessages messages = rectifiedPair();
+    weakened(kLeftLens, share).describe(*messages.left_info);
+    weakened(kRightLens, share).describe(*messages.right_info);
+    EXPECT_THAT(warning(messages), HasSubstr("use --rectified yes")) << share;
+  }
+}
+
+}  // namespace
+}  // namespace cbmv
