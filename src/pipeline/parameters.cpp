@@ -98,6 +98,17 @@ void addMatchingParameters(ParameterTable& table) {
       "max_memory_mb", "MB", 0, 100000, [](Options& o) -> int& { return o.max_memory_mb; },
       "Memory that a pair may take; larger images or ranges are refused; 0: no bound");
   table.add(
+      "search_levels", "", 0, 6, [](Options& o) -> int& { return o.search.levels; },
+      "Coarse-to-fine search: how often the pair is halved; only the smallest one is searched "
+      "over the whole range. 0: exhaustive search");
+  table.add(
+      "search_neighborhood", "px", 0, 8,
+      [](Options& o) -> int& { return o.search.neighborhood_px; },
+      "Coarse-to-fine search: coarse pixels around a pixel whose disparities are tried");
+  table.add(
+      "search_margin", "px", 0, 16, [](Options& o) -> int& { return o.search.margin_px; },
+      "Coarse-to-fine search: and disparities so far from these");
+  table.add(
       "refine_rectification", "", 0, 1, [](Options& o) -> bool& { return o.rectification.enabled; },
       "Estimate and remove the vertical offset that is left between the images");
   table.add(

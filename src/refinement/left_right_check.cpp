@@ -18,22 +18,37 @@ struct RightRow {
   float max_difference_px;
 
   bool agrees(int x, float left_disparity) const {
-    const long column = std::lround(static_cast<float>(x) - left_disparity);
-    return column >= 0 && column < width && disparity[column] != range.invalid() &&
+    const float exact = static_cast<float>(x) - left_disparity;
+    if (!(exact > -0.5F && exact < static_cast<float>(width))) {
+      return false;
+    }
+    const int below = static_cast<int>(exact);
+    const int column = below + static_cast<int>(exact - static_cast<float>(below) >= 0.5F);
+    return column < width && disparity[column] != range.invalid() &&
            std::abs(left_disparity - disparity[column]) <= max_difference_px;
   }
 
-  /// Looks at all disparities even if one agrees: this loop the compiler turns into vectors.
-  bool agreesAnywhere(int x) const {
-    const int first = std::max(x - range.max(), 0);
-    const int last = std::min(x - range.min, width - 1);
-    int agreeing = 0;
-    for (int column = first; column <= last; ++column) {
-      const float difference = std::abs(static_cast<float>(x - column) - disparity[column]);
-      agreeing |= static_cast<int>(difference <= max_difference_px) &
-                  static_cast<int>(disparity[column] != range.invalid());
+  /// Sets marks[x] for the left image's columns x that agree with the right one's `column` at one
+  /// of the range's whole disparities, x − column.
+  void markAgreeing(int column, std::uint8_t* marks) const {
+    const float d = disparity[column];
+    const float lowest = d - max_difference_px;
+    const float highest = d + max_difference_px;
+    const auto min = static_cast<float>(range.min);
+    const auto max = static_cast<float>(range.max());
+    if (d == range.invalid() || !(lowest <= max + 1 && highest >= min - 1)) {
+      return;
     }
-    return agreeing != 0;
+    // Up to rounding, d' agrees if lowest ≤ d' ≤ highest: those beside are tried, too.
+    const int first =
+        std::max({column + static_cast<int>(std::max(lowest, min)) - 1, column + range.min, 0});
+    const int last = std::min(
+        {column + static_cast<int>(std::min(highest, max)) + 1, column + range.max(), width - 1});
+    const float limit = max_difference_px;  // a store of a byte may change any member
+    for (int x = first; x <= last; ++x) {
+      const float difference = std::abs(static_cast<float>(x - column) - d);
+      marks[x] |= static_cast<std::uint8_t>(difference <= limit);
+    }
   }
 };
 
@@ -49,12 +64,13 @@ void leftRightCheck(const cv::Mat& left_disparity, const cv::Mat& right_disparit
       const auto* left = left_disparity.ptr<float>(y);
       const RightRow right{right_disparity.ptr<float>(y), labels.cols, range, max_difference_px};
       auto* out = labels.ptr<std::uint8_t>(y);
+      std::fill_n(out, labels.cols, 0);
       for (int x = 0; x < labels.cols; ++x) {
-        if (left[x] != range.invalid() && right.agrees(x, left[x])) {
-          out[x] = kMatch;
-        } else {
-          out[x] = right.agreesAnywhere(x) ? kMismatch : kOcclusion;
-        }
+        right.markAgreeing(x, out);
+      }
+      for (int x = 0; x < labels.cols; ++x) {
+        const Label other = out[x] == 0 ? kOcclusion : kMismatch;
+        out[x] = left[x] != range.invalid() && right.agrees(x, left[x]) ? kMatch : other;
       }
     }
   });

@@ -71,7 +71,7 @@ void SearchWindows::build(const cv::Mat& coarse, float invalid, const cv::Mat& m
   space.build(matches.rows, matches.cols, range, [&](int y, SearchSpace::Row& row) {
     const int coarse_y = std::min(y / 2, coarse.rows - 1);
     const cv::Range coarse_rows =
-        around(coarse_y, coarse_y, options.neighbourhood_px, coarse.rows);
+        around(coarse_y, coarse_y, options.neighborhood_px, coarse.rows);
     const cv::Range match_rows = around(y, y, kRescueReachPx, matches.rows);
     std::vector<std::uint64_t>& set = sets_.local();
     for (int t = 0; t < tiles; ++t) {
@@ -98,7 +98,7 @@ void SearchWindows::collectCoarse(const cv::Mat& coarse, float invalid,
       // The last column of an image of odd width lies behind the coarse image.
       const int first = std::min(t * kTileColumns / 2, coarse.cols - 1);
       const cv::Range columns =
-          around(first, first + kTileColumns / 2 - 1, options.neighbourhood_px, coarse.cols);
+          around(first, first + kTileColumns / 2 - 1, options.neighborhood_px, coarse.cols);
       for (int x = columns.start; x < columns.end; ++x) {
         if (disparities[x] != invalid) {
           const float fine = 2 * disparities[x] - static_cast<float>(range.min);

@@ -65,6 +65,54 @@ TEST_P(LeftRightCheck, EqualsNaiveOne) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LeftRightCheck, allCases());
 
+/// Expects of a left image without disparities what trying them all in float gives.
+void expectTriedLabels(const cv::Mat& right, const DisparityRange& range, float max_difference) {
+  const cv::Mat left(right.size(), CV_32FC1, range.invalid());
+  cv::Mat labels;
+  leftRightCheck(left, right, range, max_difference, labels);
+  expectMap<std::uint8_t>(labels, right.size(), [&](int y, int x) {
+    for (int d = range.min; d <= range.max(); ++d) {
+      if (isInside(right, y, x - d) && right.at<float>(y, x - d) != range.invalid() &&
+          std::abs(static_cast<float>(d) - right.at<float>(y, x - d)) <= max_difference) {
+        return kMismatch;
+      }
+    }
+    return kOcclusion;
+  });
+}
+
+TEST(LeftRightCheck, TriesDisparitiesBeyondTheRangeAndBesideTheLimit) {
+  const DisparityRange range{-7, 60};
+  cv::Mat right(20, 300, CV_32FC1);
+  std::mt19937 random(3);
+  const auto pick = [&](int lowest, int highest) {
+    return static_cast<float>(std::uniform_int_distribution<int>(lowest, highest)(random));
+  };
+  for (const float max_difference : {0.0F, 1e-7F, 0.3F, 1.0F, 1.1F, 2.7F, 33.3F, 1e9F}) {
+    for (float& d : cv::Mat_<float>(right)) {
+      d = pick(-70, 110) + std::fmod(max_difference, 1.0F) * pick(-1, 1);
+      d = pick(0, 2) == 0 ? std::nextafter(d, pick(-99, 99)) : d;
+      d = pick(0, 3) == 0 ? range.invalid() : d;
+    }
+    expectTriedLabels(right, range, max_difference);
+  }
+}
+
+/// The difference of a fine disparity and a whole one is rounded, to the limit here, though it may
+/// be above.
+TEST(LeftRightCheck, RoundsLikeTryingAllDisparities) {
+  const DisparityRange range{-20, 60};
+  cv::Mat right(1, 100, CV_32FC1, range.invalid());
+  std::mt19937 random(3);
+  for (int repetition = 0; repetition < 100; ++repetition) {
+    const float fine = std::uniform_real_distribution<float>(-0.5F, 0.5F)(random);
+    right.at<float>(0, 50) = fine;
+    for (const float whole : {-16.0F, -1.0F, 1.0F, 32.0F}) {
+      expectTriedLabels(right, range, std::abs(whole - fine));
+    }
+  }
+}
+
 TEST(LeftRightCheck, TellsOcclusionFromMismatch) {
   const DisparityRange range{0, 4};
   const float invalid = range.invalid();

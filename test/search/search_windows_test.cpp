@@ -26,7 +26,7 @@ std::set<int> tileIndices(const cv::Mat_<float>& coarse, const cv::Mat_<std::int
       for (int cx = 0; cx < coarse.cols; ++cx) {
         const int place_x = std::min(x / 2, coarse.cols - 1);
         const int place_y = std::min(y / 2, coarse.rows - 1);
-        const int reach = options.neighbourhood_px;
+        const int reach = options.neighborhood_px;
         if (std::abs(cx - place_x) <= reach && std::abs(cy - place_y) <= reach &&
             coarse(cy, cx) != kInvalid) {
           const double fine = 2.0 * coarse(cy, cx) - range.min;

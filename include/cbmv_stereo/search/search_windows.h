@@ -16,7 +16,7 @@ namespace cbmv {
 /// matches at its own size. Holds its memory, which is kept from pair to pair.
 ///
 /// A pixel's disparities are those within margin_px of twice a coarse disparity, where that is of a
-/// pixel at most neighbourhood_px rows and columns away from the pixel's place in the coarse image,
+/// pixel at most neighborhood_px rows and columns away from the pixel's place in the coarse image,
 /// and d − 1 … d + 1 of the mutual matches at most kRescueReachPx rows and columns away. A tile has
 /// those of all its pixels, cut to the range; where there are none, the whole range.
 class SearchWindows {
