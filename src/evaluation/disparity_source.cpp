@@ -31,7 +31,7 @@ SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
 /// The map of a scene; SCENE.pfm where there is none.
 fs::path mapFile(const fs::path& folder, const std::string& scene) {
   for (const char* extension : {".pfm", ".PFM", ".png", ".PNG"}) {
-    const fs::path file = folder / (scene + extension);
+    fs::path file = folder / (scene + extension);
     if (fs::exists(file)) {
       return file;
     }

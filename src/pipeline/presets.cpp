@@ -41,7 +41,7 @@ std::string pathOf(const NamedFiles& files, const std::string& given, const std:
     return given;
   }
   std::error_code ignored;
-  const std::string named = (fs::path(folder) / (given + files.ending)).string();
+  std::string named = (fs::path(folder) / (given + files.ending)).string();
   if (fs::exists(named, ignored)) {
     return named;
   }

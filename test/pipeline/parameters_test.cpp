@@ -183,7 +183,8 @@ TEST_P(ShippedPreset, IsConsistent) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedPreset,
                          testing::Values("quality.yaml", "balanced.yaml", "realtime.yaml",
-                                         "default.yaml", "kitti.yaml", "middlebury.yaml"));
+                                         "default.yaml", "kitti.yaml", "middlebury.yaml",
+                                         "coarse_to_fine.yaml"));
 
 }  // namespace
 }  // namespace cbmv::test
