@@ -162,6 +162,7 @@ class RowPath {
     first_edge_ = steps.reference_edges + first_column;
     first_rise_ = steps.rises + first_column;
     prefetchTile(t + direction_);
+    prefetch(job_.sums.entry(tile_.first_entry), tile_.count * kTileColumns);
     findRuns();
     block();
     fillPixels(steps);
