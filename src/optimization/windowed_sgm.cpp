@@ -21,7 +21,7 @@ namespace {
 constexpr int kTilesPerBlock = 4;
 /// Rows of a band: at least so many that all threads are busy between two waits for each other, and
 /// more while the band's costs and sums stay in the caches.
-constexpr int kRowsPerThread = 4;
+constexpr int kRowsPerThread = 2;
 constexpr std::size_t kBandBytesPerThread = std::size_t{1} << 18;
 
 }  // namespace

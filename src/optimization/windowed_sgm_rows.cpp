@@ -47,7 +47,6 @@ namespace {
 
 using Tag = LineTag<std::uint16_t>;
 using V = hn::Vec<Tag>;
-using ColumnTag = hn::CappedTag<std::uint16_t, kTileColumns>;
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
@@ -84,6 +83,15 @@ HWY_INLINE LaneRun* findRuns(const SearchSpace::Tile& tile, LaneRun* run) {
   return run;
 }
 
+/// Distance of a tile's pixels: whole vectors, with room for the transposition of all runs.
+HWY_INLINE int strideOf(const LaneRun* run) {
+  int lanes = 0;
+  for (; run->length > 0; ++run) {
+    lanes = std::max(lanes, run->lane + roundUp(run->length, kTransposeLanes));
+  }
+  return roundUp(lanes, static_cast<int>(hn::Lanes(Tag())));
+}
+
 /// Marks the lanes that have no hypothesis, as far as a vector reaches.
 HWY_INLINE void block(const LaneRun* run, std::uint16_t* blocked) {
   for (; run->length > 0; ++run) {
@@ -92,49 +100,43 @@ HWY_INLINE void block(const LaneRun* run, std::uint16_t* blocked) {
   }
 }
 
-/// Matching costs of `count` entries whose edges start `slope` apart.
+/// Matching costs of an entry with the edges of the other image.
 template <typename Cost>
-HWY_INLINE void packEntries(const Cost* costs, const std::int8_t* edges, std::ptrdiff_t slope,
-                            int count, std::uint16_t* out) {
-  const ColumnTag tag;
-  const hn::RebindToSigned<ColumnTag> signed_tag;
-  const hn::Rebind<std::int8_t, ColumnTag> edge_tag;
-  for (int i = 0; i < count; ++i) {
-    for (int column = 0; column < kTileColumns; column += static_cast<int>(hn::Lanes(tag))) {
-      const auto left = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + column));
-      const auto right = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + column + 1));
-      const auto bits = hn::Or(hn::And(hn::BitCast(tag, left), hn::Set(tag, kLeftEdge)),
-                               hn::And(hn::BitCast(tag, right), hn::Set(tag, kRightEdge)));
-      hn::Store(hn::Or(loadWidened(tag, costs + column), bits), tag, out + column);
-    }
-    costs += kTileColumns;
-    edges += slope;
-    out += kTileColumns;
-  }
+HWY_INLINE hn::Vec<TransposeTag> packed(const Cost* costs, const std::int8_t* edges) {
+  const TransposeTag tag;
+  const hn::RebindToSigned<TransposeTag> signed_tag;
+  const hn::Rebind<std::int8_t, TransposeTag> edge_tag;
+  const auto left = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges));
+  const auto right = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + 1));
+  const auto bits = hn::Or(hn::And(hn::BitCast(tag, left), hn::Set(tag, kLeftEdge)),
+                           hn::And(hn::BitCast(tag, right), hn::Set(tag, kRightEdge)));
+  return hn::Or(loadWidened(tag, costs), bits);
 }
 
 /// Lays out a row.
 template <typename Cost>
-HWY_INLINE void layOut(const RowJob<Cost>& job, int y, std::uint16_t* entries, LaneRow& row) {
+HWY_INLINE void layOut(const RowJob<Cost>& job, int y, LaneRow& row) {
   const SearchSpace& space = *job.setup.space;
   const PathSteps steps = job.setup.steps.row(y);
+  const std::ptrdiff_t slope = steps.slope;
   LaneRun* runs = row.runs.data();
   std::uint16_t* matching = row.matching.data();
   std::uint16_t* path_costs = row.costs.data();
   const Cost* costs = job.costs.entry(space.tile(y, 0).first_entry);
   for (int t = 0; t < space.tiles(); ++t) {
     LaneRun* end = findRuns(space.tile(y, t), runs);
+    const int stride = strideOf(runs);
     const int lanes = end[-1].lane;
-    const int stride = roundUp(lanes, static_cast<int>(hn::Lanes(Tag())));
-    row.tiles[t] = {runs, lanes, stride, matching, path_costs};
+    row.tiles[t] = {runs,   lanes,    roundUp(lanes, static_cast<int>(hn::Lanes(Tag()))),
+                    stride, matching, path_costs};
     block(runs, matching + kTileColumns * stride);
-    const std::int8_t* edges = steps.other_edges + t * kTileColumns;
     for (; runs->length > 0; ++runs) {
-      packEntries(costs, edges + steps.slope * runs->index, steps.slope, runs->length,
-                  entries + runs->lane * kTileColumns);
+      const std::int8_t* edges = steps.other_edges + t * kTileColumns + slope * runs->index;
+      lanesToPixels(runs->length, stride, matching + runs->lane, [&](int i, int column) HWY_ATTR {
+        return packed(costs + i * kTileColumns + column, edges + slope * i + column);
+      });
       costs += runs->length * kTileColumns;
     }
-    lanesToPixels(entries, roundUp(lanes, kTransposeLanes), stride, matching);
     runs = end;
     matching += (kTileColumns + 1) * stride;
     path_costs += kTileColumns * stride;
@@ -143,21 +145,12 @@ HWY_INLINE void layOut(const RowJob<Cost>& job, int y, std::uint16_t* entries, L
 
 /// The sums of the path costs of a row.
 template <typename Cost>
-HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row,
-                          std::uint16_t* entries) {
-  const ColumnTag tag;
-  const SearchSpace& space = *job.setup.space;
-  std::uint16_t* sums = job.sums.entry(space.tile(y, 0).first_entry);
-  for (int t = 0; t < space.tiles(); ++t) {
-    const LaneTile& tile = row.tiles[t];
-    pixelsToLanes(tile.costs, roundUp(tile.lanes, kTransposeLanes), tile.stride, entries);
+HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row) {
+  std::uint16_t* sums = job.sums.entry(job.setup.space->tile(y, 0).first_entry);
+  for (const LaneTile& tile : row.tiles) {
     for (const LaneRun* run = tile.runs; run->length > 0; ++run) {
-      const std::uint16_t* in = entries + run->lane * kTileColumns;
-      const int count = run->length * kTileColumns;
-      for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
-        hn::Store(hn::Load(tag, in + i), tag, sums + i);
-      }
-      sums += count;
+      pixelsToLanes(tile.costs + run->lane, tile.stride, run->length, sums);
+      sums += run->length * kTileColumns;
     }
   }
 }
@@ -205,8 +198,8 @@ class RowPath {
     blocked_ = tile_.matching + kTileColumns * tile_.stride;
     edges_ = steps_.reference_edges + t * kTileColumns + column;
     rises_ = steps_.rises + t * kTileColumns + column;
-    fillVectors(kNoPath, 1, front_.costs(0) + tile_.stride);
-    fillVectors(kNoPath, 1, front_.costs(1) + tile_.stride);
+    fillVectors(kNoPath, 1, front_.costs(0) + tile_.padded_lanes);
+    fillVectors(kNoPath, 1, front_.costs(1) + tile_.padded_lanes);
     takePrevious(rise(0));
     extendFirst<kAdd>();
     fresh_ = false;
@@ -247,7 +240,7 @@ class RowPath {
     std::uint16_t* current = front_.costs(i);
     const int reference_edge = edge(i);
     auto lowest_cost = hn::Set(tag, kNoPath);
-    for (int lane = 0; lane < tile_.stride; lane += step) {
+    for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
       const auto beside =
           hn::Min(hn::LoadU(tag, previous + lane - 1), hn::LoadU(tag, previous + lane + 1));
       const auto costs =
@@ -335,7 +328,7 @@ class RowPath {
     const auto step = static_cast<int>(hn::Lanes(tag));
     const auto lowest_previous = lowest();
     auto lowest_cost = hn::Set(tag, kNoPath);
-    for (int lane = 0; lane < tile_.stride; lane += step) {
+    for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
       const auto costs = extendLanes<kAdd>(0, lane, edge(0), hn::Load(tag, blocked_ + lane),
                                            hn::Load(tag, front_.along() + lane),
                                            hn::Load(tag, front_.beside() + lane), lowest_previous);
@@ -358,7 +351,7 @@ class RowPath {
   bool fresh_ = true;  ///< the next pixel is the first one of the path
   std::uint16_t lowest_ = 0;
   // Of the tile, and at its first pixel:
-  LaneTile tile_{nullptr, 0, 0, nullptr, nullptr};
+  LaneTile tile_{nullptr, 0, 0, 0, nullptr, nullptr};
   int columns_ = 0;
   std::ptrdiff_t stride_ = 0;
   const std::uint16_t* matching_ = nullptr;
@@ -476,7 +469,7 @@ HWY_INLINE void runRows(const RowJob<Cost>& job, RowPaths::Memory& memory) {
   // The second row may be the first one once more: then nobody looks at its sums.
   const std::array<int, 2> y = {job.rows.start, job.rows.end - 1};
   for (std::size_t i = 0; i < 2; ++i) {
-    layOut(job, y[i], memory.entries.data(), memory.rows[i]);
+    layOut(job, y[i], memory.rows[i]);
   }
   const PenaltyLanes penalties(job.setup.penalties);
   const auto path = [&](std::size_t i) HWY_ATTR {
@@ -486,7 +479,7 @@ HWY_INLINE void runRows(const RowJob<Cost>& job, RowPaths::Memory& memory) {
   Paths paths = {path(0), path(1), path(2), path(3)};
   walkRows(space.tiles(), memory.rows, paths);
   for (int i = 0; i < job.rows.size(); ++i) {
-    storeSums(job, y[i], memory.rows[i], memory.entries.data());
+    storeSums(job, y[i], memory.rows[i]);
   }
 }
 
@@ -516,6 +509,9 @@ void runRows(const RowJob<std::uint16_t>& job, RowPaths::Memory& memory) {
   HWY_DYNAMIC_DISPATCH(runRowsOfWords)(job, memory);
 }
 
+/// Lanes that a transposition writes behind a run, at most.
+constexpr int kSpill = 7;
+
 /// Of a tile, at most: gaps are no wider than what they stand for.
 int mostLanes(int disparities) { return (disparities + kMostLanes - 1) / kMostLanes * kMostLanes; }
 
@@ -534,9 +530,9 @@ std::size_t mostEntries(const SearchSpace& space) {
 void LaneRow::resize(const SearchSpace& space) {
   const auto tile_count = static_cast<std::size_t>(space.tiles());
   const std::size_t entries = mostEntries(space);
-  // Every hypothesis may have two free lanes beside it, and the last vector of a tile some more.
-  const std::size_t lanes = std::min(tile_count * mostLanes(space.range().count),
-                                     3 * entries + tile_count * (kMostLanes - 1));
+  // Every hypothesis may have two free lanes beside it; strideOf rounds up twice.
+  const std::size_t lanes = std::min(tile_count * mostLanes(space.range().count + kSpill),
+                                     3 * entries + tile_count * (kSpill + kMostLanes - 1));
   tiles.resize(tile_count);
   runs.resize(entries + tile_count);
   matching.resize(lanes * (kTileColumns + 1) + kMostLanes);
@@ -544,7 +540,7 @@ void LaneRow::resize(const SearchSpace& space) {
 }
 
 void RowFront::resize(int disparities) {
-  const std::size_t lanes = mostLanes(disparities);
+  const std::size_t lanes = mostLanes(disparities + kSpill);
   for (Costs& costs : costs_) {
     costs.assign(kMostLanes + lanes + kMostLanes, kNoPath);
   }
@@ -562,7 +558,6 @@ void RowPaths::resize(const PathSetup& setup) {
   for (RowFront& front : memory_.fronts) {
     front.resize(disparities);
   }
-  memory_.entries.resize(mostLanes(disparities) * kTileColumns);
 }
 
 template <typename Cost>

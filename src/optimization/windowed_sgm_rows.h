@@ -28,7 +28,8 @@ struct LaneRun {
 struct LaneTile {
   const LaneRun* runs;  ///< one of length 0 behind the last one
   int lanes;
-  int stride;  ///< `lanes` rounded up to whole vectors
+  int padded_lanes;  ///< whole vectors
+  int stride;        ///< of the pixels, in memory; whole vectors, too
   /// [column][lane] of matching costs with edges (see MatchingLanes), then one row more:
   /// kNoHypothesis in the lanes of no hypothesis, 0 in the others.
   std::uint16_t* matching;
@@ -77,7 +78,6 @@ class RowPaths {
   struct Memory {
     std::array<LaneRow, kRowsAtOnce> rows;
     std::array<RowFront, 2 * kRowsAtOnce> fronts;
-    std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>> entries;  ///< of a tile, [lane][column]
   };
 
   void resize(const PathSetup& setup);
