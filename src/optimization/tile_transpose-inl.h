@@ -58,8 +58,8 @@ HWY_INLINE void transposeBlocks(V& a, V& b, V& c, V& d, V& e, V& f, V& g, V& h) 
   interleave(g, h);
 }
 
-/// The kTransposeLanes values of a column, in each block of a vector; blocks are `distance` apart in
-/// memory.
+/// The kTransposeLanes values of a column, in each block of a vector; blocks are `distance` apart
+/// in memory.
 HWY_INLINE hn::Vec<TransposeTag> loadBlocks(const std::uint16_t* values,
                                             [[maybe_unused]] std::ptrdiff_t distance) {
   const TransposeTag tag;
@@ -88,9 +88,8 @@ template <typename Load>
 HWY_INLINE void lanesToPixels(int lanes, std::ptrdiff_t stride, std::uint16_t* pixels,
                               const Load& load) {
   for (int lane = 0; lane < lanes; lane += kTransposeLanes) {
-    const auto load_lane = [&](int i, int column) HWY_ATTR {
-      return load(std::min(lane + i, lanes - 1), column);
-    };
+    const auto load_lane = [&](int i, int column)
+                               HWY_ATTR { return load(std::min(lane + i, lanes - 1), column); };
     for (int column = 0; column < kTileColumns; column += CBMV_TRANSPOSE_COLUMNS) {
       auto a = load_lane(0, column);
       auto b = load_lane(1, column);

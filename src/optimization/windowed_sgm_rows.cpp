@@ -243,9 +243,8 @@ class RowPath {
     for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
       const auto beside =
           hn::Min(hn::LoadU(tag, previous + lane - 1), hn::LoadU(tag, previous + lane + 1));
-      const auto costs =
-          extendLanes<kAdd>(i, lane, reference_edge, hn::Load(tag, blocked_ + lane),
-                            hn::LoadU(tag, previous + lane), beside, lowest);
+      const auto costs = extendLanes<kAdd>(i, lane, reference_edge, hn::Load(tag, blocked_ + lane),
+                                           hn::LoadU(tag, previous + lane), beside, lowest);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, current + lane);
     }
