@@ -6,6 +6,7 @@
 #define CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -57,45 +58,47 @@ HWY_INLINE void transposeBlocks(V& a, V& b, V& c, V& d, V& e, V& f, V& g, V& h) 
   interleave(g, h);
 }
 
-/// A column of kTransposeLanes lanes, in each block of a vector; blocks are `distance` apart in
-/// memory.
+/// The kTransposeLanes values of a column, in each block of a vector; blocks are `distance` apart
+/// in memory.
 HWY_INLINE hn::Vec<TransposeTag> loadBlocks(const std::uint16_t* values,
                                             [[maybe_unused]] std::ptrdiff_t distance) {
   const TransposeTag tag;
 #if CBMV_TRANSPOSE_COLUMNS == 8
-  return hn::Load(tag, values);
+  return hn::LoadU(tag, values);
 #else
   const hn::Half<TransposeTag> half;
-  return hn::Combine(tag, hn::Load(half, values + distance), hn::Load(half, values));
+  return hn::Combine(tag, hn::LoadU(half, values + distance), hn::LoadU(half, values));
 #endif
 }
 HWY_INLINE void storeBlocks(hn::Vec<TransposeTag> blocks, std::uint16_t* values,
                             [[maybe_unused]] std::ptrdiff_t distance) {
 #if CBMV_TRANSPOSE_COLUMNS == 8
-  hn::Store(blocks, TransposeTag(), values);
+  hn::StoreU(blocks, TransposeTag(), values);
 #else
   const hn::Half<TransposeTag> half;
-  hn::Store(hn::LowerHalf(half, blocks), half, values);
-  hn::Store(hn::UpperHalf(half, blocks), half, values + distance);
+  hn::StoreU(hn::LowerHalf(half, blocks), half, values);
+  hn::StoreU(hn::UpperHalf(half, blocks), half, values + distance);
 #endif
 }
 
-/// [lane][column] to [column][lane], whose rows are `stride` apart; `lanes` is a multiple of
-/// kTransposeLanes.
-HWY_INLINE void lanesToPixels(const std::uint16_t* entries, int lanes, std::ptrdiff_t stride,
-                              std::uint16_t* pixels) {
-  const TransposeTag tag;
+/// [lane][column] to [column][lane], whose rows are `stride` apart. load(lane, column) gives
+/// CBMV_TRANSPOSE_COLUMNS values of a lane from a column on. Lanes are written up to a multiple of
+/// kTransposeLanes: those from `lanes` on with the values of the last one.
+template <typename Load>
+HWY_INLINE void lanesToPixels(int lanes, std::ptrdiff_t stride, std::uint16_t* pixels,
+                              const Load& load) {
   for (int lane = 0; lane < lanes; lane += kTransposeLanes) {
+    const auto load_lane = [&](int i, int column)
+                               HWY_ATTR { return load(std::min(lane + i, lanes - 1), column); };
     for (int column = 0; column < kTileColumns; column += CBMV_TRANSPOSE_COLUMNS) {
-      const std::uint16_t* in = entries + lane * kTileColumns + column;
-      auto a = hn::Load(tag, in + 0 * kTileColumns);
-      auto b = hn::Load(tag, in + 1 * kTileColumns);
-      auto c = hn::Load(tag, in + 2 * kTileColumns);
-      auto d = hn::Load(tag, in + 3 * kTileColumns);
-      auto e = hn::Load(tag, in + 4 * kTileColumns);
-      auto f = hn::Load(tag, in + 5 * kTileColumns);
-      auto g = hn::Load(tag, in + 6 * kTileColumns);
-      auto h = hn::Load(tag, in + 7 * kTileColumns);
+      auto a = load_lane(0, column);
+      auto b = load_lane(1, column);
+      auto c = load_lane(2, column);
+      auto d = load_lane(3, column);
+      auto e = load_lane(4, column);
+      auto f = load_lane(5, column);
+      auto g = load_lane(6, column);
+      auto h = load_lane(7, column);
       transposeBlocks(a, b, c, d, e, f, g, h);
       std::uint16_t* out = pixels + column * stride + lane;
       storeBlocks(a, out + 0 * stride, 8 * stride);
@@ -110,8 +113,8 @@ HWY_INLINE void lanesToPixels(const std::uint16_t* entries, int lanes, std::ptrd
   }
 }
 
-/// The inverse.
-HWY_INLINE void pixelsToLanes(const std::uint16_t* pixels, int lanes, std::ptrdiff_t stride,
+/// The inverse, to rows of kTileColumns values. Lanes are read up to a multiple of kTransposeLanes.
+HWY_INLINE void pixelsToLanes(const std::uint16_t* pixels, std::ptrdiff_t stride, int lanes,
                               std::uint16_t* entries) {
   const TransposeTag tag;
   for (int lane = 0; lane < lanes; lane += kTransposeLanes) {
@@ -127,14 +130,19 @@ HWY_INLINE void pixelsToLanes(const std::uint16_t* pixels, int lanes, std::ptrdi
       auto h = loadBlocks(in + 7 * stride, 8 * stride);
       transposeBlocks(a, b, c, d, e, f, g, h);
       std::uint16_t* out = entries + lane * kTileColumns + column;
-      hn::Store(a, tag, out + 0 * kTileColumns);
-      hn::Store(b, tag, out + 1 * kTileColumns);
-      hn::Store(c, tag, out + 2 * kTileColumns);
-      hn::Store(d, tag, out + 3 * kTileColumns);
-      hn::Store(e, tag, out + 4 * kTileColumns);
-      hn::Store(f, tag, out + 5 * kTileColumns);
-      hn::Store(g, tag, out + 6 * kTileColumns);
-      hn::Store(h, tag, out + 7 * kTileColumns);
+      const auto store = [&](int i, const auto& values) HWY_ATTR {
+        if (lane + i < lanes) {
+          hn::Store(values, tag, out + i * kTileColumns);
+        }
+      };
+      store(0, a);
+      store(1, b);
+      store(2, c);
+      store(3, d);
+      store(4, e);
+      store(5, f);
+      store(6, g);
+      store(7, h);
     }
   }
 }

@@ -16,12 +16,13 @@
 namespace cbmv {
 namespace {
 
-/// Vertical paths advance this many tiles at once: wide enough to read whole pages, narrow enough to
-/// keep two rows of path costs close to the core.
+/// Vertical paths advance at least this many tiles at once, and more while there are enough blocks
+/// for all threads and two rows of path costs stay close to the core.
 constexpr int kTilesPerBlock = 4;
-/// Rows of a band: at least so many that all threads are busy between two waits for each other, and
-/// more while the band's costs and sums stay in the caches.
-constexpr int kRowsPerThread = 4;
+constexpr int kBlocksPerThread = 2;
+constexpr std::size_t kFrontBytes = std::size_t{1} << 15;
+/// Bands have at least a group of rows for each thread, and more while the band's costs and sums
+/// stay in the caches.
 constexpr std::size_t kBandBytesPerThread = std::size_t{1} << 18;
 
 }  // namespace
@@ -52,10 +53,11 @@ class WindowedSgm::Impl {
  private:
   void preparePaths(const SearchSpace& space) {
     const int tiles = space.tiles();
-    blocks_.resize((tiles + kTilesPerBlock - 1) / kTilesPerBlock);
+    const int block_tiles = blockTiles(space);
+    blocks_.resize((tiles + block_tiles - 1) / block_tiles);
     tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
-      const int first = static_cast<int>(i) * kTilesPerBlock;
-      blocks_[i].resize(vertical_, cv::Range(first, std::min(first + kTilesPerBlock, tiles)));
+      const int first = static_cast<int>(i) * block_tiles;
+      blocks_[i].resize(vertical_, cv::Range(first, std::min(first + block_tiles, tiles)));
     });
     rows_.prepare([&](RowPaths& paths) { paths.resize(horizontal_); });
   }
@@ -79,12 +81,22 @@ class WindowedSgm::Impl {
                       [&](std::size_t i) { blocks_[i].runUp(costs, sums); });
   }
 
+  static int blockTiles(const SearchSpace& space) {
+    const std::size_t tiles = static_cast<std::size_t>(space.tiles()) * space.height();
+    const std::size_t bytes = 2 * space.entries() * kTileColumns * sizeof(std::uint16_t);
+    const auto fitting = kFrontBytes * tiles / std::max<std::size_t>(1, bytes);
+    const auto sharing = space.tiles() / (kBlocksPerThread * threadCount());
+    return std::max(kTilesPerBlock, static_cast<int>(std::min(fitting, sharing)));
+  }
+
   static int bandRows(const SearchSpace& space, std::size_t hypothesis_bytes) {
     const std::size_t row_bytes =
         space.entries() * kTileColumns * hypothesis_bytes / std::max(1, space.height());
-    const auto fitting = static_cast<int>(kBandBytesPerThread / std::max<std::size_t>(1, row_bytes));
-    return std::clamp(fitting, kRowsPerThread, std::max(kRowsPerThread, space.height())) *
-           static_cast<int>(threadCount());
+    const std::size_t most_rows = std::max(1, space.height());
+    const auto fitting = static_cast<int>(
+        std::min(most_rows, kBandBytesPerThread / std::max<std::size_t>(1, row_bytes)));
+    const int groups = std::max(1, fitting / RowPaths::kRowsAtOnce);
+    return groups * RowPaths::kRowsAtOnce * static_cast<int>(threadCount());
   }
 
   PathSetup horizontal_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include <hwy/cache_control.h>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_sgm_columns.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -75,7 +77,8 @@ HWY_INLINE Mask lanesThatRise(const std::int8_t* rises, int rise) {
 }
 
 /// Of both, by the number of the other image's edges.
-HWY_INLINE V penaltiesOf(const std::array<std::int16_t, 3>& penalties, Mask edges, int other_edges) {
+HWY_INLINE V penaltiesOf(const std::array<std::int16_t, 3>& penalties, Mask edges,
+                         int other_edges) {
   const Tag tag;
   return hn::IfThenElse(edges, hn::Set(tag, static_cast<std::uint16_t>(penalties[other_edges + 1])),
                         hn::Set(tag, static_cast<std::uint16_t>(penalties[other_edges])));
@@ -116,10 +119,10 @@ HWY_INLINE void extendTile(const TileStep<Cost>& step, const SgmPenalties& penal
   for (int i = 0; i < step.tile.count; ++i) {
     const std::ptrdiff_t index = step.tile.indices[i];
     const auto other_edges = lanesOf(step.steps.other_edges + step.steps.slope * index);
-    const auto cost = extendPaths<kRising>(loadWidened(tag, step.costs + i * kTileColumns),
-                                           step.previous + index * kTileColumns, lowest_previous,
-                                           hn::IfThenElse(other_edges, p1_at_edge, p1),
-                                           hn::IfThenElse(other_edges, p2_at_edge, p2), rises, falls);
+    const auto cost = extendPaths<kRising>(
+        loadWidened(tag, step.costs + i * kTileColumns), step.previous + index * kTileColumns,
+        lowest_previous, hn::IfThenElse(other_edges, p1_at_edge, p1),
+        hn::IfThenElse(other_edges, p2_at_edge, p2), rises, falls);
     lowest = hn::Min(lowest, cost);
     hn::Store(cost, tag, step.current + index * kTileColumns);
     addToSums<kLast>(cost, step.sums + i * kTileColumns);
@@ -190,6 +193,33 @@ HWY_INLINE void addTile(const ColumnRun<Cost>& run, int y, const PathSteps& step
   forget(previous, previous_costs);
 }
 
+template <typename Value>
+HWY_INLINE void prefetch(const Value* begin, const Value* end) {
+  for (; begin < end; begin += 64 / sizeof(Value)) {
+    hwy::Prefetch(begin);
+  }
+}
+
+/// Hypotheses of a tile from which on prefetching pays.
+constexpr std::size_t kLongList = 32;
+
+/// Fetches the hypotheses of a row before the paths come to it: they are contiguous, but far from
+/// those of the row before.
+template <typename Cost>
+HWY_INLINE void prefetchRow(const ColumnRun<Cost>& run, int y) {
+  const SearchSpace& space = *run.setup.space;
+  if (y < 0 || y >= space.height()) {
+    return;
+  }
+  const auto first = space.tile(y, run.tiles.start);
+  const auto last = space.tile(y, run.tiles.end - 1);
+  const std::size_t end = last.first_entry + last.count;
+  if (end - first.first_entry >= kLongList * run.tiles.size()) {
+    prefetch(run.costs.entry(first.first_entry), run.costs.entry(end));
+    prefetch(run.sums.entry(first.first_entry), run.sums.entry(end));
+  }
+}
+
 /// Rows from `first` on in the run's direction.
 template <bool kLast, typename Cost>
 HWY_INLINE void addRows(const ColumnRun<Cost>& run, int first, int rows) {
@@ -198,6 +228,7 @@ HWY_INLINE void addRows(const ColumnRun<Cost>& run, int first, int rows) {
     // The step from above is stored with the row itself, that from below with the row below.
     const int lower = std::min(run.direction > 0 ? y : y + 1, run.setup.space->height() - 1);
     const PathSteps steps = run.setup.steps.row(lower);
+    prefetchRow(run, y + run.direction);
     for (int t = run.tiles.start; t < run.tiles.end; ++t) {
       addTile<kLast>(run, y, steps, t);
     }

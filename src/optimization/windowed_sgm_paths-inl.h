@@ -15,9 +15,9 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-/// L(p, d) from C(p, d) and three costs of the predecessor q: L(q, e), the smaller one of L(q, e - 1)
-/// and L(q, e + 1), and the lowest of all its hypotheses. kNoPath stands for those that q does not
-/// have.
+/// L(p, d) from C(p, d) and three costs of the predecessor q: L(q, e), the smaller one of L(q, e -
+/// 1) and L(q, e + 1), and the lowest of all its hypotheses. kNoPath stands for those that q does
+/// not have.
 template <class V>
 HWY_INLINE V pathCosts(V matching, V along, V beside, V lowest, V p1, V p2) {
   const auto step = hn::SaturatedAdd(beside, p1);

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
-
-#include <hwy/cache_control.h>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_sgm_rows.cpp"
@@ -20,7 +17,7 @@
 namespace cbmv {
 namespace {
 
-/// Neighbouring rows of pixels, at most kRowsAtOnce.
+/// Neighbouring rows of pixels, at most RowPaths::kRowsAtOnce.
 template <typename Cost>
 struct RowJob {
   const PathSetup& setup;
@@ -29,13 +26,15 @@ struct RowJob {
   cv::Range rows;
 };
 
-/// What a lane of a pixel holds before its path cost: a matching cost, and this bit where the other
-/// image has an edge.
-constexpr std::uint16_t kEdgeBit = 0x4000;
-static_assert(kMaxPathCost < kEdgeBit);
-/// A lane without a hypothesis: no path as it is and with a penalty on top.
+/// A lane of matching costs holds a cost, and these bits where the other image has an edge in the
+/// step from the left or from the right neighbour.
+constexpr std::uint16_t kLeftEdge = 0x4000;
+constexpr std::uint16_t kRightEdge = 0x8000;
+constexpr std::uint16_t kCostBits = 0x3FFF;
+static_assert(kMaxPathCost <= kCostBits);
+/// A matching cost in a lane without a hypothesis: no path as it is and with a penalty on top.
 constexpr std::uint16_t kNoHypothesis = 0xBFFF;
-static_assert((kNoHypothesis & kEdgeBit) == 0 && kNoHypothesis > 2 * kMaxPathCost);
+static_assert(kNoHypothesis > 2 * kMaxPathCost && kNoHypothesis + kMaxPathCost <= kNoPath);
 
 }  // namespace
 }  // namespace cbmv
@@ -48,66 +47,8 @@ namespace {
 
 using Tag = LineTag<std::uint16_t>;
 using V = hn::Vec<Tag>;
-using ColumnTag = hn::CappedTag<std::uint16_t, kTileColumns>;
 
-/// Penalties in all lanes, by the number of images that have an edge.
-struct PenaltyLanes {
-  alignas(64) std::uint16_t p1[3][RowBuffer::kGap];
-  alignas(64) std::uint16_t p2[3][RowBuffer::kGap];
-
-  explicit PenaltyLanes(const SgmPenalties& penalties) {
-    for (std::size_t edges = 0; edges < 3; ++edges) {
-      std::fill_n(p1[edges], RowBuffer::kGap, static_cast<std::uint16_t>(penalties.p1[edges]));
-      std::fill_n(p2[edges], RowBuffer::kGap, static_cast<std::uint16_t>(penalties.p2[edges]));
-    }
-  }
-};
-
-/// The path costs of some lanes of a pixel, which hold matching costs and edges. `blocked`:
-/// kNoHypothesis in lanes without a hypothesis, else 0. `edge`: 1 if the reference image has one,
-/// else 0.
-HWY_INLINE V extendLanes(const PenaltyLanes& penalties, int edge, V values, V blocked, V along,
-                         V beside, V lowest) {
-  const Tag tag;
-  const auto edge_bit = hn::Set(tag, kEdgeBit);
-  const auto edges = hn::TestBit(values, edge_bit);
-  const auto p1 = hn::IfThenElse(edges, hn::Load(tag, penalties.p1[edge + 1]),
-                                 hn::Load(tag, penalties.p1[edge]));
-  const auto p2 = hn::IfThenElse(edges, hn::Load(tag, penalties.p2[edge + 1]),
-                                 hn::Load(tag, penalties.p2[edge]));
-  const auto matching = hn::Or(hn::AndNot(edge_bit, values), blocked);
-  return pathCosts(matching, along, beside, lowest, p1, p2);
-}
-
-/// Costs of `count` entries, with the edges of the other image, which start `slope` apart.
-template <typename Cost>
-HWY_INLINE void packEntries(const Cost* costs, const std::int8_t* edges, std::ptrdiff_t slope,
-                            int count, std::uint16_t* out) {
-  const ColumnTag tag;
-  const hn::RebindToSigned<ColumnTag> signed_tag;
-  const hn::Rebind<std::int8_t, ColumnTag> edge_tag;
-  const auto edge_bit = hn::Set(tag, kEdgeBit);
-  for (int i = 0; i < count; ++i) {
-    for (int column = 0; column < kTileColumns; column += static_cast<int>(hn::Lanes(tag))) {
-      const auto edge = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + column));
-      const auto cost = loadWidened(tag, costs + column);
-      hn::Store(hn::Or(cost, hn::And(hn::BitCast(tag, edge), edge_bit)), tag, out + column);
-    }
-    costs += kTileColumns;
-    edges += slope;
-    out += kTileColumns;
-  }
-}
-
-/// Sets sums, or adds to them.
-template <bool kAdd>
-HWY_INLINE void sumUp(const std::uint16_t* costs, int count, std::uint16_t* sums) {
-  const ColumnTag tag;
-  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
-    const auto cost = hn::Load(tag, costs + i);
-    hn::Store(kAdd ? hn::Add(hn::Load(tag, sums + i), cost) : cost, tag, sums + i);
-  }
-}
+int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// `count` values, rounded up to whole vectors, but at least one.
 HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) {
@@ -120,74 +61,165 @@ HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) 
   }
 }
 
-/// Fetches what will be read a tile later.
-template <typename Value>
-HWY_INLINE void prefetch(const Value* values, std::size_t count) {
-  for (std::size_t i = 0; i < count; i += 64 / sizeof(Value)) {
-    hwy::Prefetch(values + i);
+/// Puts the list of a tile into lanes. Runs are two lanes apart, or one if a single disparity lies
+/// between them: a path goes on at most two disparities away. Returns what is behind the runs.
+HWY_INLINE LaneRun* findRuns(const SearchSpace::Tile& tile, LaneRun* run) {
+  const std::int16_t* indices = tile.indices;
+  int lane = 0;
+  for (int first = 0; first < tile.count;) {
+    int end = tile.count;
+    if (indices[end - 1] - indices[first] >= end - first) {
+      for (end = first + 1; indices[end] == indices[end - 1] + 1; ++end) {
+      }
+    }
+    if (first > 0) {
+      lane += std::min(indices[first] - indices[first - 1] - 1, 2);
+    }
+    *run++ = {lane, indices[first], end - first};
+    lane += end - first;
+    first = end;
+  }
+  *run++ = {lane, 0, 0};
+  return run;
+}
+
+/// Distance of a tile's pixels: whole vectors, with room for the transposition of all runs.
+HWY_INLINE int strideOf(const LaneRun* run) {
+  int lanes = 0;
+  for (; run->length > 0; ++run) {
+    lanes = std::max(lanes, run->lane + roundUp(run->length, kTransposeLanes));
+  }
+  return roundUp(lanes, static_cast<int>(hn::Lanes(Tag())));
+}
+
+/// Marks the lanes that have no hypothesis, as far as a vector reaches.
+HWY_INLINE void block(const LaneRun* run, std::uint16_t* blocked) {
+  for (; run->length > 0; ++run) {
+    fillVectors(0, run->length, blocked + run->lane);
+    fillVectors(kNoHypothesis, 1, blocked + run->lane + run->length);
   }
 }
 
-/// A path along a row, in one of both directions.
+/// Matching costs of an entry with the edges of the other image.
 template <typename Cost>
+HWY_INLINE hn::Vec<TransposeTag> packed(const Cost* costs, const std::int8_t* edges) {
+  const TransposeTag tag;
+  const hn::RebindToSigned<TransposeTag> signed_tag;
+  const hn::Rebind<std::int8_t, TransposeTag> edge_tag;
+  const auto left = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges));
+  const auto right = hn::PromoteTo(signed_tag, hn::LoadU(edge_tag, edges + 1));
+  const auto bits = hn::Or(hn::And(hn::BitCast(tag, left), hn::Set(tag, kLeftEdge)),
+                           hn::And(hn::BitCast(tag, right), hn::Set(tag, kRightEdge)));
+  return hn::Or(loadWidened(tag, costs), bits);
+}
+
+/// Lays out a row.
+template <typename Cost>
+HWY_INLINE void layOut(const RowJob<Cost>& job, int y, LaneRow& row) {
+  const SearchSpace& space = *job.setup.space;
+  const PathSteps steps = job.setup.steps.row(y);
+  const std::ptrdiff_t slope = steps.slope;
+  LaneRun* runs = row.runs.data();
+  std::uint16_t* matching = row.matching.data();
+  std::uint16_t* path_costs = row.costs.data();
+  const Cost* costs = job.costs.entry(space.tile(y, 0).first_entry);
+  for (int t = 0; t < space.tiles(); ++t) {
+    LaneRun* end = findRuns(space.tile(y, t), runs);
+    const int stride = strideOf(runs);
+    const int lanes = end[-1].lane;
+    row.tiles[t] = {runs,   lanes,    roundUp(lanes, static_cast<int>(hn::Lanes(Tag()))),
+                    stride, matching, path_costs};
+    block(runs, matching + kTileColumns * stride);
+    for (; runs->length > 0; ++runs) {
+      const std::int8_t* edges = steps.other_edges + t * kTileColumns + slope * runs->index;
+      lanesToPixels(runs->length, stride, matching + runs->lane, [&](int i, int column) HWY_ATTR {
+        return packed(costs + i * kTileColumns + column, edges + slope * i + column);
+      });
+      costs += runs->length * kTileColumns;
+    }
+    runs = end;
+    matching += (kTileColumns + 1) * stride;
+    path_costs += kTileColumns * stride;
+  }
+}
+
+/// The sums of the path costs of a row.
+template <typename Cost>
+HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row) {
+  std::uint16_t* sums = job.sums.entry(job.setup.space->tile(y, 0).first_entry);
+  for (const LaneTile& tile : row.tiles) {
+    for (const LaneRun* run = tile.runs; run->length > 0; ++run) {
+      pixelsToLanes(tile.costs + run->lane, tile.stride, run->length, sums);
+      sums += run->length * kTileColumns;
+    }
+  }
+}
+
+/// Penalties in all lanes, by the number of images that have an edge.
+struct PenaltyLanes {
+  alignas(64) std::uint16_t p1[3][kMostLanes];
+  alignas(64) std::uint16_t p2[3][kMostLanes];
+
+  explicit PenaltyLanes(const SgmPenalties& penalties) {
+    for (std::size_t edges = 0; edges < 3; ++edges) {
+      std::fill_n(p1[edges], kMostLanes, static_cast<std::uint16_t>(penalties.p1[edges]));
+      std::fill_n(p2[edges], kMostLanes, static_cast<std::uint16_t>(penalties.p2[edges]));
+    }
+  }
+};
+
+/// A path along a row, in one of both directions.
 class RowPath {
  public:
-  /// Goes nowhere if `y` is none of the rows.
-  RowPath(const RowJob<Cost>& job, int y, const PenaltyLanes& penalties, int direction,
-          const RowMemory& memory)
-      : job_(job),
-        y_(y),
+  /// From the left with direction 1, from the right with -1.
+  RowPath(const LaneRow& row, const PathSteps& steps, int width, const PenaltyLanes& penalties,
+          int direction, RowFront& front)
+      : row_(row),
+        steps_(steps.from(direction > 0 ? 0 : 1)),
+        width_(width),
         penalties_(penalties),
         direction_(direction),
-        stride_(direction * memory.stride),
-        memory_(memory),
-        first_pixel_(memory.pixels) {}
+        edge_bit_(direction > 0 ? kLeftEdge : kRightEdge),
+        front_(front) {}
 
-  /// Lays out the n-th tile of the path.
-  HWY_INLINE void enter(int n) {
-    if (y_ >= job_.rows.end) {
-      return;
-    }
-    const SearchSpace& space = *job_.setup.space;
-    const int t = direction_ > 0 ? n : space.tiles() - 1 - n;
-    tile_ = space.tile(y_, t);
-    columns_ = tile_.count == 0 ? 0 : std::min(kTileColumns, space.width() - t * kTileColumns);
+  /// Extends the path by the first pixel of tile t, if it has hypotheses.
+  template <bool kAdd>
+  HWY_INLINE void start(int t) {
+    tile_ = row_.tiles[t];
+    columns_ = tile_.lanes == 0 ? 0 : std::min(kTileColumns, width_ - t * kTileColumns);
     if (columns_ == 0) {
+      fresh_ = true;
       return;
     }
-    const int first_column = direction_ > 0 ? 0 : columns_ - 1;
-    const PathSteps steps =
-        job_.setup.steps.row(y_).from(t * kTileColumns + (direction_ > 0 ? 0 : 1));
-    first_pixel_ = memory_.pixels + first_column * memory_.stride;
-    first_edge_ = steps.reference_edges + first_column;
-    first_rise_ = steps.rises + first_column;
-    prefetchTile(t + direction_);
-    findRuns();
-    block();
-    fillPixels(steps);
-  }
-
-  /// Extends the path by the first pixel of the tile.
-  HWY_INLINE void start() {
-    if (columns_ > 0) {
-      takePrevious(rise(0));
-      extendFirst();
-    }
+    const int column = direction_ > 0 ? 0 : columns_ - 1;
+    stride_ = direction_ * tile_.stride;
+    matching_ = tile_.matching + column * tile_.stride;
+    costs_ = tile_.costs + column * tile_.stride;
+    blocked_ = tile_.matching + kTileColumns * tile_.stride;
+    edges_ = steps_.reference_edges + t * kTileColumns + column;
+    rises_ = steps_.rises + t * kTileColumns + column;
+    fillVectors(kNoPath, 1, front_.costs(0) + tile_.padded_lanes);
+    fillVectors(kNoPath, 1, front_.costs(1) + tile_.padded_lanes);
+    takePrevious(rise(0));
+    extendFirst<kAdd>();
+    fresh_ = false;
   }
 
   /// Of the tile.
   int columns() const { return columns_; }
   bool fitsOneVector() const {
     // Rotations by two lanes must bring in lanes without a hypothesis.
-    return lanes_ + 2 <= static_cast<int>(hn::Lanes(Tag()));
+    return tile_.lanes + 2 <= static_cast<int>(hn::Lanes(Tag()));
   }
 
   HWY_INLINE V lowest() const { return hn::Set(Tag(), lowest_); }
   HWY_INLINE void setLowest(V lowest) { lowest_ = hn::GetLane(lowest); }
-  HWY_INLINE V firstCosts() const { return hn::Load(Tag(), pixel(0)); }
-  HWY_INLINE V blockedLanes() const { return hn::Load(Tag(), memory_.blocked); }
+  HWY_INLINE V blocked() const { return hn::Load(Tag(), blocked_); }
+  HWY_INLINE V costs(int i) const { return hn::Load(Tag(), front_.costs(i)); }
+  HWY_INLINE void setCosts(int i, V costs) { hn::Store(costs, Tag(), front_.costs(i)); }
 
   /// Extends the path by the i-th pixel of a tile that fits one vector.
+  template <bool kAdd>
   HWY_INLINE void extendVector(int i, V blocked, V& costs, V& lowest) {
     const Tag tag;
     const int rising = rise(i);
@@ -195,201 +227,137 @@ class RowPath {
       costs = rising > 0 ? rotateUp(tag, costs) : rotateDown(tag, costs);
     }
     const auto beside = hn::Min(rotateUp(tag, costs), rotateDown(tag, costs));
-    costs = extendLanes(penalties_, edge(i), hn::Load(tag, pixel(i)), blocked, costs, beside,
-                        lowest);
-    hn::Store(costs, tag, pixel(i));
+    costs = extendLanes<kAdd>(i, 0, edge(i), blocked, costs, beside, lowest);
     lowest = lowestOfLanes(tag, costs);
   }
 
   /// The same for any tile.
+  template <bool kAdd>
   HWY_INLINE void extend(int i, V& lowest) {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
-    const std::uint16_t* previous = pixel(i - 1) - rise(i);
-    std::uint16_t* current = pixel(i);
-    const std::uint16_t* blocked = memory_.blocked;
-    const int lanes = lanes_;
+    const std::uint16_t* previous = front_.costs(i - 1) - rise(i);
+    std::uint16_t* current = front_.costs(i);
     const int reference_edge = edge(i);
     auto lowest_cost = hn::Set(tag, kNoPath);
-    for (int lane = 0; lane < lanes; lane += step) {
+    for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
       const auto beside =
           hn::Min(hn::LoadU(tag, previous + lane - 1), hn::LoadU(tag, previous + lane + 1));
-      const auto costs = extendLanes(penalties_, reference_edge, hn::Load(tag, current + lane),
-                                     hn::Load(tag, blocked + lane),
-                                     hn::LoadU(tag, previous + lane), beside, lowest);
+      const auto costs = extendLanes<kAdd>(i, lane, reference_edge, hn::Load(tag, blocked_ + lane),
+                                           hn::LoadU(tag, previous + lane), beside, lowest);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, current + lane);
     }
     lowest = lowestOfLanes(tag, lowest_cost);
   }
 
-  /// Sets the sums of the n-th tile of the path, or adds the path costs to them.
-  HWY_INLINE void leave(int n) {
-    fresh_ = columns_ == 0;
-    if (!fresh_) {
-      keepLast();
-      const int other = job_.setup.space->tiles() - 1 - n;
-      if (n < other || (n == other && direction_ > 0)) {
-        addToSums<false>();
-      } else {
-        addToSums<true>();
-      }
+  /// Keeps the costs of the last pixel for the next tile.
+  HWY_INLINE void leave() {
+    if (columns_ == 0) {
+      return;
     }
-  }
-
-  /// Leaves the memory as it was found.
-  HWY_INLINE void finish() { forget(memory_.runs); }
-
- private:
-  template <bool kAdd>
-  HWY_INLINE void addToSums() {
-    pixelsToLanes(memory_.pixels, paddedLanes(), memory_.stride, memory_.entries);
-    std::uint16_t* sums = job_.sums.entry(tile_.first_entry);
-    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
-      sumUp<kAdd>(memory_.entries + run->lane * kTileColumns, run->length * kTileColumns, sums);
-      sums += run->length * kTileColumns;
-    }
-  }
-
-  std::uint16_t* pixel(int i) const { return first_pixel_ + i * stride_; }
-  int edge(int i) const { return -first_edge_[i * direction_]; }
-  int rise(int i) const { return direction_ * first_rise_[i * direction_]; }
-  int paddedLanes() const {
-    return (lanes_ + kTransposeLanes - 1) / kTransposeLanes * kTransposeLanes;
-  }
-
-  HWY_INLINE void prefetchTile(int t) {
-    if (t >= 0 && t < job_.setup.space->tiles()) {
-      const auto tile = job_.setup.space->tile(y_, t);
-      prefetch(job_.costs.entry(tile.first_entry), tile.count * kTileColumns);
-    }
-  }
-
-  /// Runs are two lanes apart, or one if a single disparity lies between them: a path goes on at
-  /// most two disparities away.
-  HWY_INLINE void findRuns() {
-    std::swap(memory_.runs, memory_.previous_runs);
-    LaneRun* run = memory_.runs;
-    const std::int16_t* indices = tile_.indices;
-    const int count = tile_.count;
-    int first = 0;
-    int lane = 0;
-    while (true) {
-      int end = count;
-      if (indices[count - 1] - indices[first] >= count - first) {
-        for (end = first + 1; indices[end] == indices[end - 1] + 1; ++end) {
-        }
-      }
-      *run++ = {lane, indices[first], end - first};
-      lane += end - first;
-      if (end == count) {
-        break;
-      }
-      lane += std::min(indices[end] - indices[end - 1] - 1, 2);
-      first = end;
-    }
-    *run = {lane, 0, 0};
-    lanes_ = lane;
-  }
-
-  /// Marks the lanes that have no hypothesis, as far as a vector reaches.
-  HWY_INLINE void block() {
-    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
-      fillVectors(0, run->length, memory_.blocked + run->lane);
-      fillVectors(kNoHypothesis, 1, memory_.blocked + run->lane + run->length);
-    }
-  }
-
-  HWY_INLINE void fillPixels(const PathSteps& steps) {
-    const Cost* costs = job_.costs.entry(tile_.first_entry);
-    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
-      packEntries(costs, steps.other_edges + steps.slope * run->index, steps.slope, run->length,
-                  memory_.entries + run->lane * kTileColumns);
-      costs += run->length * kTileColumns;
-    }
-    lanesToPixels(memory_.entries, paddedLanes(), memory_.stride, memory_.pixels);
-    if (!fitsOneVector()) {
-      const auto step = static_cast<int>(hn::Lanes(Tag()));
-      const int end = (lanes_ + step - 1) / step * step;
-      for (int column = 0; column < kTileColumns; ++column) {
-        fillVectors(kNoPath, 1, memory_.pixels + column * memory_.stride + end);
-      }
-    }
-  }
-
-  /// The costs of the last pixel, by disparity, for the next tile.
-  HWY_INLINE void keepLast() {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
-    const std::uint16_t* last = pixel(columns_ - 1);
-    for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
-      std::uint16_t* out = memory_.previous + run->index;
+    const std::uint16_t* last = front_.costs(columns_ - 1);
+    for (const LaneRun* run = tile_.runs; run->length > 0; ++run) {
+      std::uint16_t* out = front_.previous() + run->index;
       for (int i = 0; i < run->length; i += step) {
         hn::BlendedStore(hn::LoadU(tag, last + run->lane + i), hn::FirstN(tag, run->length - i),
                          tag, out + i);
       }
     }
+    kept_ = tile_.runs;
   }
 
-  /// Along and beside of the new tile's lanes, from the costs kept by disparity, which are
-  /// forgotten. Stores reach beyond the runs: later runs overwrite them, and of lanes without a
-  /// hypothesis nothing matters.
+  /// Forgets the costs kept.
+  HWY_INLINE void forget() {
+    for (; kept_->length > 0; ++kept_) {
+      fillVectors(kNoPath, kept_->length, front_.previous() + kept_->index);
+    }
+  }
+
+ private:
+  int edge(int i) const { return -edges_[i * direction_]; }
+  int rise(int i) const { return direction_ * rises_[i * direction_]; }
+
+  /// The path costs of some lanes of the i-th pixel, which go to the sums, too. `edge`: 1 if the
+  /// reference image has one, else 0.
+  template <bool kAdd>
+  HWY_INLINE V extendLanes(int i, int lane, int edge, V blocked, V along, V beside, V lowest) {
+    const Tag tag;
+    const auto values = hn::Load(tag, matching_ + i * stride_ + lane);
+    const auto edges = hn::TestBit(values, hn::Set(tag, edge_bit_));
+    const auto p1 = hn::IfThenElse(edges, hn::Load(tag, penalties_.p1[edge + 1]),
+                                   hn::Load(tag, penalties_.p1[edge]));
+    const auto p2 = hn::IfThenElse(edges, hn::Load(tag, penalties_.p2[edge + 1]),
+                                   hn::Load(tag, penalties_.p2[edge]));
+    const auto matching = hn::Or(hn::And(values, hn::Set(tag, kCostBits)), blocked);
+    const auto costs = pathCosts(matching, along, beside, lowest, p1, p2);
+    std::uint16_t* sums = costs_ + i * stride_ + lane;
+    hn::Store(kAdd ? hn::Add(hn::Load(tag, sums), costs) : costs, tag, sums);
+    return costs;
+  }
+
+  /// Along and beside of the new tile's lanes, from the costs kept, which are forgotten. Stores
+  /// reach beyond the runs: later runs overwrite them, and of lanes without a hypothesis nothing
+  /// matters.
   HWY_INLINE void takePrevious(int rising) {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     if (fresh_) {
       // All costs zero, from which the step leads to L = C.
       lowest_ = 0;
-      fillVectors(0, lanes_, memory_.along);
+      fillVectors(0, tile_.lanes, front_.along());
     } else {
-      for (const LaneRun* run = memory_.runs; run->length > 0; ++run) {
-        const std::uint16_t* in = memory_.previous + run->index - rising;
+      for (const LaneRun* run = tile_.runs; run->length > 0; ++run) {
+        const std::uint16_t* in = front_.previous() + run->index - rising;
         for (int i = 0; i < run->length; i += step) {
-          hn::StoreU(hn::LoadU(tag, in + i), tag, memory_.along + run->lane + i);
+          hn::StoreU(hn::LoadU(tag, in + i), tag, front_.along() + run->lane + i);
           hn::StoreU(hn::Min(hn::LoadU(tag, in + i - 1), hn::LoadU(tag, in + i + 1)), tag,
-                     memory_.beside + run->lane + i);
+                     front_.beside() + run->lane + i);
         }
       }
     }
-    forget(memory_.previous_runs);
+    forget();
   }
 
-  HWY_INLINE void forget(const LaneRun* run) {
-    for (; run->length > 0; ++run) {
-      fillVectors(kNoPath, run->length, memory_.previous + run->index);
-    }
-  }
-
+  template <bool kAdd>
   HWY_INLINE void extendFirst() {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     const auto lowest_previous = lowest();
     auto lowest_cost = hn::Set(tag, kNoPath);
-    for (int lane = 0; lane < lanes_; lane += step) {
-      const auto costs = extendLanes(
-          penalties_, edge(0), hn::Load(tag, pixel(0) + lane),
-          hn::Load(tag, memory_.blocked + lane), hn::Load(tag, memory_.along + lane),
-          hn::Load(tag, memory_.beside + lane), lowest_previous);
+    for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
+      const auto costs = extendLanes<kAdd>(0, lane, edge(0), hn::Load(tag, blocked_ + lane),
+                                           hn::Load(tag, front_.along() + lane),
+                                           hn::Load(tag, front_.beside() + lane), lowest_previous);
       lowest_cost = hn::Min(lowest_cost, costs);
-      hn::Store(costs, tag, pixel(0) + lane);
+      hn::Store(costs, tag, front_.costs(0) + lane);
     }
     setLowest(lowestOfLanes(tag, lowest_cost));
   }
 
-  const RowJob<Cost>& job_;
-  const int y_;
+  static constexpr LaneRun kNoRun = {0, 0, 0};
+
+  const LaneRow& row_;
+  const PathSteps steps_;
+  const int width_;
   const PenaltyLanes& penalties_;
-  const int direction_;  ///< 1: from the left, -1: from the right
-  const std::ptrdiff_t stride_;
-  RowMemory memory_;
+  const int direction_;
+  const std::uint16_t edge_bit_;
+  RowFront& front_;
+  const LaneRun* kept_ = &kNoRun;
   bool fresh_ = true;  ///< the next pixel is the first one of the path
   std::uint16_t lowest_ = 0;
-  SearchSpace::Tile tile_{nullptr, 0, 0};
+  // Of the tile, and at its first pixel:
+  LaneTile tile_{nullptr, 0, 0, 0, nullptr, nullptr};
   int columns_ = 0;
-  int lanes_ = 0;
-  std::uint16_t* first_pixel_;
-  const std::int8_t* first_edge_ = nullptr;
-  const std::int8_t* first_rise_ = nullptr;
+  std::ptrdiff_t stride_ = 0;
+  const std::uint16_t* matching_ = nullptr;
+  const std::uint16_t* blocked_ = nullptr;
+  std::uint16_t* costs_ = nullptr;
+  const std::int8_t* edges_ = nullptr;
+  const std::int8_t* rises_ = nullptr;
 };
 
 /// Calls a(i) … d(i) in turns, since each waits for its result of the call before, for the second
@@ -415,36 +383,42 @@ HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& 
   finish(d, columns[3]);
 }
 
-template <typename Cost>
-HWY_INLINE void walkTiles(RowPath<Cost>& a, RowPath<Cost>& b, RowPath<Cost>& c, RowPath<Cost>& d) {
+template <bool kAdd>
+HWY_INLINE void walkTiles(RowPath& a, RowPath& b, RowPath& c, RowPath& d) {
   const std::array<int, 4> columns = {a.columns(), b.columns(), c.columns(), d.columns()};
   auto lowest_a = a.lowest();
   auto lowest_b = b.lowest();
   auto lowest_c = c.lowest();
   auto lowest_d = d.lowest();
 #if !HWY_HAVE_SCALABLE
-  if (a.fitsOneVector() && b.fitsOneVector() && c.fitsOneVector() && d.fitsOneVector()) {
-    const auto blocked_a = a.blockedLanes();
-    const auto blocked_b = b.blockedLanes();
-    const auto blocked_c = c.blockedLanes();
-    const auto blocked_d = d.blockedLanes();
-    auto costs_a = a.firstCosts();
-    auto costs_b = b.firstCosts();
-    auto costs_c = c.firstCosts();
-    auto costs_d = d.firstCosts();
+  const bool have_costs = *std::min_element(columns.begin(), columns.end()) > 0;
+  if (have_costs && a.fitsOneVector() && b.fitsOneVector() && c.fitsOneVector() &&
+      d.fitsOneVector()) {
+    const auto blocked_a = a.blocked();
+    const auto blocked_b = b.blocked();
+    const auto blocked_c = c.blocked();
+    const auto blocked_d = d.blocked();
+    auto costs_a = a.costs(0);
+    auto costs_b = b.costs(0);
+    auto costs_c = c.costs(0);
+    auto costs_d = d.costs(0);
     inTurns(
-        columns, [&](int i) HWY_ATTR { a.extendVector(i, blocked_a, costs_a, lowest_a); },
-        [&](int i) HWY_ATTR { b.extendVector(i, blocked_b, costs_b, lowest_b); },
-        [&](int i) HWY_ATTR { c.extendVector(i, blocked_c, costs_c, lowest_c); },
-        [&](int i) HWY_ATTR { d.extendVector(i, blocked_d, costs_d, lowest_d); });
+        columns, [&](int i) HWY_ATTR { a.extendVector<kAdd>(i, blocked_a, costs_a, lowest_a); },
+        [&](int i) HWY_ATTR { b.extendVector<kAdd>(i, blocked_b, costs_b, lowest_b); },
+        [&](int i) HWY_ATTR { c.extendVector<kAdd>(i, blocked_c, costs_c, lowest_c); },
+        [&](int i) HWY_ATTR { d.extendVector<kAdd>(i, blocked_d, costs_d, lowest_d); });
+    a.setCosts(columns[0] - 1, costs_a);
+    b.setCosts(columns[1] - 1, costs_b);
+    c.setCosts(columns[2] - 1, costs_c);
+    d.setCosts(columns[3] - 1, costs_d);
   } else
 #endif
   {
     inTurns(
-        columns, [&](int i) HWY_ATTR { a.extend(i, lowest_a); },
-        [&](int i) HWY_ATTR { b.extend(i, lowest_b); },
-        [&](int i) HWY_ATTR { c.extend(i, lowest_c); },
-        [&](int i) HWY_ATTR { d.extend(i, lowest_d); });
+        columns, [&](int i) HWY_ATTR { a.extend<kAdd>(i, lowest_a); },
+        [&](int i) HWY_ATTR { b.extend<kAdd>(i, lowest_b); },
+        [&](int i) HWY_ATTR { c.extend<kAdd>(i, lowest_c); },
+        [&](int i) HWY_ATTR { d.extend<kAdd>(i, lowest_d); });
   }
   a.setLowest(lowest_a);
   b.setLowest(lowest_b);
@@ -452,35 +426,68 @@ HWY_INLINE void walkTiles(RowPath<Cost>& a, RowPath<Cost>& b, RowPath<Cost>& c, 
   d.setLowest(lowest_d);
 }
 
-/// Both paths of the rows at once: whichever comes first to a tile sets its sums.
-template <typename Cost>
-HWY_INLINE void runRows(const RowJob<Cost>& job, RowBuffer* buffers) {
-  const PenaltyLanes penalties(job.setup.penalties);
-  const int y = job.rows.start;
-  RowPath<Cost> paths[] = {{job, y, penalties, 1, buffers[0].memory()},
-                           {job, y, penalties, -1, buffers[1].memory()},
-                           {job, y + 1, penalties, 1, buffers[2].memory()},
-                           {job, y + 1, penalties, -1, buffers[3].memory()}};
-  const int tiles = job.setup.space->tiles();
-  for (int n = 0; n < tiles; ++n) {
-    for (RowPath<Cost>& path : paths) {
-      path.enter(n);
-    }
-    for (RowPath<Cost>& path : paths) {
-      path.start();
-    }
-    walkTiles(paths[0], paths[1], paths[2], paths[3]);
-    for (RowPath<Cost>& path : paths) {
-      path.leave(n);
-    }
-  }
-  for (RowPath<Cost>& path : paths) {
-    path.finish();
+/// The paths of two rows, from the left and from the right each.
+using Paths = std::array<RowPath, 4>;
+
+/// The n-th tiles of all paths.
+template <bool kAdd>
+HWY_INLINE void walk(int n, int tiles, Paths& paths) {
+  paths[0].start<kAdd>(n);
+  paths[1].start<kAdd>(tiles - 1 - n);
+  paths[2].start<kAdd>(n);
+  paths[3].start<kAdd>(tiles - 1 - n);
+  walkTiles<kAdd>(paths[0], paths[1], paths[2], paths[3]);
+  for (RowPath& path : paths) {
+    path.leave();
   }
 }
 
-void runRowsOfBytes(const RowJob<std::uint8_t>& job, RowBuffer* buffers) { runRows(job, buffers); }
-void runRowsOfWords(const RowJob<std::uint16_t>& job, RowBuffer* buffers) { runRows(job, buffers); }
+/// Whichever path comes first to a tile sets its path costs.
+HWY_INLINE void walkRows(int tiles, const std::array<LaneRow, 2>& rows, Paths& paths) {
+  int n = 0;
+  for (; n < tiles / 2; ++n) {
+    walk<false>(n, tiles, paths);
+  }
+  if (tiles % 2 == 1) {
+    for (const LaneRow& row : rows) {  // both paths meet
+      const LaneTile& tile = row.tiles[n];
+      std::fill_n(tile.costs, tile.stride * kTileColumns, std::uint16_t{0});
+    }
+  }
+  for (; n < tiles; ++n) {
+    walk<true>(n, tiles, paths);
+  }
+  for (RowPath& path : paths) {
+    path.forget();
+  }
+}
+
+template <typename Cost>
+HWY_INLINE void runRows(const RowJob<Cost>& job, RowPaths::Memory& memory) {
+  const SearchSpace& space = *job.setup.space;
+  // The second row may be the first one once more: then nobody looks at its sums.
+  const std::array<int, 2> y = {job.rows.start, job.rows.end - 1};
+  for (std::size_t i = 0; i < 2; ++i) {
+    layOut(job, y[i], memory.rows[i]);
+  }
+  const PenaltyLanes penalties(job.setup.penalties);
+  const auto path = [&](std::size_t i) HWY_ATTR {
+    return RowPath(memory.rows[i / 2], job.setup.steps.row(y[i / 2]), space.width(), penalties,
+                   i % 2 == 0 ? 1 : -1, memory.fronts[i]);
+  };
+  Paths paths = {path(0), path(1), path(2), path(3)};
+  walkRows(space.tiles(), memory.rows, paths);
+  for (int i = 0; i < job.rows.size(); ++i) {
+    storeSums(job, y[i], memory.rows[i]);
+  }
+}
+
+void runRowsOfBytes(const RowJob<std::uint8_t>& job, RowPaths::Memory& memory) {
+  runRows(job, memory);
+}
+void runRowsOfWords(const RowJob<std::uint16_t>& job, RowPaths::Memory& memory) {
+  runRows(job, memory);
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -494,47 +501,68 @@ namespace {
 HWY_EXPORT(runRowsOfBytes);
 HWY_EXPORT(runRowsOfWords);
 
-void runRows(const RowJob<std::uint8_t>& job, RowBuffer* buffers) {
-  HWY_DYNAMIC_DISPATCH(runRowsOfBytes)(job, buffers);
+void runRows(const RowJob<std::uint8_t>& job, RowPaths::Memory& memory) {
+  HWY_DYNAMIC_DISPATCH(runRowsOfBytes)(job, memory);
 }
-void runRows(const RowJob<std::uint16_t>& job, RowBuffer* buffers) {
-  HWY_DYNAMIC_DISPATCH(runRowsOfWords)(job, buffers);
+void runRows(const RowJob<std::uint16_t>& job, RowPaths::Memory& memory) {
+  HWY_DYNAMIC_DISPATCH(runRowsOfWords)(job, memory);
+}
+
+/// Lanes that a transposition writes behind a run, at most.
+constexpr int kSpill = 7;
+
+/// Of a tile, at most: gaps are no wider than what they stand for.
+int mostLanes(int disparities) { return (disparities + kMostLanes - 1) / kMostLanes * kMostLanes; }
+
+/// Hypotheses of the tiles of the row that has most.
+std::size_t mostEntries(const SearchSpace& space) {
+  std::size_t most = 0;
+  for (int y = 0; y < space.height(); ++y) {
+    const SearchSpace::Tile last = space.tile(y, space.tiles() - 1);
+    most = std::max(most, last.first_entry + last.count - space.tile(y, 0).first_entry);
+  }
+  return most;
 }
 
 }  // namespace
 
-void RowBuffer::resize(int disparities) {
-  // Lanes: gaps are no wider than what they stand for.
-  const std::ptrdiff_t lanes = (disparities + kGap - 1) / kGap * kGap;
-  stride_ = lanes + kGap;
-  runs_.assign(2 * maxRuns(disparities), LaneRun{0, 0, 0});
-  entries_.resize(lanes * kTileColumns);
-  pixels_.assign(kGap + kTileColumns * stride_, kNoPath);
-  blocked_.resize(lanes + kGap);
-  previous_.assign(kGap + disparities + kGap + 2, kNoPath);
-  along_.resize(lanes + kGap);
-  beside_.resize(along_.size());
+void LaneRow::resize(const SearchSpace& space) {
+  const auto tile_count = static_cast<std::size_t>(space.tiles());
+  const std::size_t entries = mostEntries(space);
+  // Every hypothesis may have two free lanes beside it; strideOf rounds up twice.
+  const std::size_t lanes = std::min(tile_count * mostLanes(space.range().count + kSpill),
+                                     3 * entries + tile_count * (kSpill + kMostLanes - 1));
+  tiles.resize(tile_count);
+  runs.resize(entries + tile_count);
+  matching.resize(lanes * (kTileColumns + 1) + kMostLanes);
+  costs.resize(lanes * kTileColumns);
 }
 
-RowMemory RowBuffer::memory() {
-  return {runs_.data(),        runs_.data() + runs_.size() / 2,
-          entries_.data(),     pixels_.data() + kGap,
-          stride_,             blocked_.data(),
-          previous_.data() + kGap, along_.data(),
-          beside_.data()};
+void RowFront::resize(int disparities) {
+  const std::size_t lanes = mostLanes(disparities + kSpill);
+  for (Costs& costs : costs_) {
+    costs.assign(kMostLanes + lanes + kMostLanes, kNoPath);
+  }
+  previous_.assign(kMostLanes + disparities + kMostLanes + 2, kNoPath);
+  along_.resize(lanes + kMostLanes);
+  beside_.resize(lanes + kMostLanes);
 }
 
 void RowPaths::resize(const PathSetup& setup) {
   setup_ = &setup;
-  for (RowBuffer& buffer : buffers_) {
-    buffer.resize(setup.space->range().count);
+  const int disparities = setup.space->range().count;
+  for (LaneRow& row : memory_.rows) {
+    row.resize(*setup.space);
+  }
+  for (RowFront& front : memory_.fronts) {
+    front.resize(disparities);
   }
 }
 
 template <typename Cost>
 void RowPaths::run(const WindowedVolume<Cost>& costs, const cv::Range& rows,
                    WindowedOptimizedVolume& sums) {
-  runRows(RowJob<Cost>{*setup_, costs, sums, rows}, buffers_.data());
+  runRows(RowJob<Cost>{*setup_, costs, sums, rows}, memory_);
 }
 
 template void RowPaths::run(const WindowedMatchingVolume&, const cv::Range&,

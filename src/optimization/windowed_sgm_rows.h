@@ -14,6 +14,9 @@
 
 namespace cbmv {
 
+/// At least the lanes of the widest vector.
+constexpr int kMostLanes = 32;
+
 /// Consecutive disparities of a tile, and the vector lanes that they are put in.
 struct LaneRun {
   int lane;
@@ -21,39 +24,46 @@ struct LaneRun {
   int length;
 };
 
-/// Memory of a path along a row, for the tile under way. A tile's hypotheses have a lane each, in
-/// ascending order, with gaps between the runs.
-struct RowMemory {
-  LaneRun* runs;  ///< one of length 0 behind the last one
-  LaneRun* previous_runs;
-  std::uint16_t* entries;  ///< [lane][column]
-  std::uint16_t* pixels;   ///< [column][lane], whose rows are `stride` apart
-  std::ptrdiff_t stride;
-  std::uint16_t* blocked;   ///< [lane]: which have no hypothesis
-  std::uint16_t* previous;  ///< [index]: the last pixel of the tile before; else kNoPath
-  std::uint16_t* along;     ///< [lane]: at the tile's first pixel, see pathCosts
-  std::uint16_t* beside;
+/// A tile with a lane for each hypothesis, in ascending order, with gaps between the runs.
+struct LaneTile {
+  const LaneRun* runs;  ///< one of length 0 behind the last one
+  int lanes;
+  int padded_lanes;  ///< whole vectors
+  int stride;        ///< of the pixels, in memory; whole vectors, too
+  /// [column][lane] of matching costs with edges (see MatchingLanes), then one row more:
+  /// kNoHypothesis in the lanes of no hypothesis, 0 in the others.
+  std::uint16_t* matching;
+  std::uint16_t* costs;  ///< [column][lane] of the path costs of one path, then of both
 };
 
-class RowBuffer {
+/// Memory of a row, laid out by lanes.
+class LaneRow {
+ public:
+  void resize(const SearchSpace& space);
+
+  std::vector<LaneTile> tiles;
+  std::vector<LaneRun> runs;
+  std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>> matching;
+  std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>> costs;
+};
+
+/// Memory of a path along a row.
+class RowFront {
  public:
   void resize(int disparities);
-  RowMemory memory();
 
-  /// Elements before and behind the lanes of a pixel: at least those of the widest vector.
-  static constexpr std::ptrdiff_t kGap = 32;
+  /// Of a pixel, [lane]; at least two elements on either side are kNoPath.
+  std::uint16_t* costs(int pixel) { return costs_[pixel % 2].data() + kMostLanes; }
+  /// Of the last pixel of a tile, [index]; kNoPath where there is no hypothesis.
+  std::uint16_t* previous() { return previous_.data() + kMostLanes; }
+  /// At the first pixel of a tile, [lane]: see pathCosts.
+  std::uint16_t* along() { return along_.data(); }
+  std::uint16_t* beside() { return beside_.data(); }
 
  private:
   using Costs = std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>>;
 
-  /// The last one included.
-  static std::size_t maxRuns(int disparities) { return (disparities + 1) / 2 + 1; }
-
-  std::vector<LaneRun> runs_;  // of two tiles
-  Costs entries_;
-  Costs pixels_;
-  std::ptrdiff_t stride_ = 0;
-  Costs blocked_;
+  std::array<Costs, 2> costs_;
   Costs previous_;
   Costs along_;
   Costs beside_;
@@ -65,6 +75,11 @@ class RowPaths {
   /// Paths wait for their previous pixel all the time; this many rows fill the gaps.
   static constexpr int kRowsAtOnce = 2;
 
+  struct Memory {
+    std::array<LaneRow, kRowsAtOnce> rows;
+    std::array<RowFront, 2 * kRowsAtOnce> fronts;
+  };
+
   void resize(const PathSetup& setup);
 
   /// Sets the sums of at most kRowsAtOnce rows.
@@ -73,7 +88,7 @@ class RowPaths {
 
  private:
   const PathSetup* setup_ = nullptr;
-  std::array<RowBuffer, 2 * kRowsAtOnce> buffers_;
+  Memory memory_;
 };
 
 }  // namespace cbmv

@@ -20,8 +20,8 @@ struct Neighbour {
   int rows;
 };
 
-/// For every column in `columns` that has a neighbour, out[x] = step(neighbour's value, value), 0 in
-/// the others.
+/// For every column in `columns` that has a neighbour, out[x] = step(neighbour's value, value), 0
+/// in the others.
 template <typename Value, typename Step>
 void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::Range& columns,
              std::int8_t* out, const Step& step) {

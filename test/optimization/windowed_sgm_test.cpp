@@ -364,7 +364,8 @@ TEST(WindowedSgm, TakesASpaceWithoutHypotheses) {
   });
   const Input input = makeInput(shape, View::kLeft, Content::kNoise, 20, 20);
   WindowedSgm sgm;
-  EXPECT_EQ(meansOf(sgm, space, makeWindowedCosts<std::uint8_t>(space, 255, 3), input).entries(), 0);
+  EXPECT_EQ(meansOf(sgm, space, makeWindowedCosts<std::uint8_t>(space, 255, 3), input).entries(),
+            0);
 }
 
 void expectRejected(const SgmOptions& options) {
