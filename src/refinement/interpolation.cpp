@@ -5,74 +5,224 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "cbmv_stereo/refinement/left_right_check.h"
 
+#ifndef CBMV_INTERPOLATION_ONCE
+#define CBMV_INTERPOLATION_ONCE
 namespace cbmv {
 namespace {
 
 constexpr int kDirections = 16;
 constexpr int kQuarter = kDirections / 4;
+/// Of distances aside. The rounding of the slopes moves no pixel of a ray within 2^15 steps.
+constexpr int kFractionBits = 32;
 
 /// A ray from a pixel, walked in steps of one pixel along the image axis that it is closer to.
 struct Ray {
-  cv::Point along;   ///< that axis
-  cv::Point aside;   ///< the other one
-  double slope = 0;  ///< pixels aside a step along
+  cv::Point along;         ///< that axis
+  cv::Point aside;         ///< the other one
+  std::int64_t slope = 0;  ///< pixels aside a step along, in units of 2^-kFractionBits
+
+  /// Distance aside after some steps, in these units; rounded down, the nearest pixel.
+  std::int64_t exactAside(int steps) const {
+    return (std::int64_t{1} << (kFractionBits - 1)) + steps * slope;
+  }
+  /// The pixel after some steps, relative to the first one.
+  cv::Point pixel(int steps) const {
+    return steps * along + static_cast<int>(exactAside(steps) >> kFractionBits) * aside;
+  }
+};
+using Rays = std::array<Ray, kDirections>;
+
+/// The maps that mismatches are filled in, row by row.
+struct Maps {
+  cv::Size size;
+  const std::uint8_t* labels;
+  float* disparity;
+  float without_match;
 };
 
+constexpr float kUnknown = std::numeric_limits<float>::infinity();
+
+/// The disparity of the nearest match on the ray from `start`, beyond `steps` steps; kUnknown when
+/// it leaves the image without one.
+inline float nearestMatch(const Maps& maps, const cv::Point& start, const Ray& ray, int steps) {
+  for (;;) {
+    const cv::Point at = start + ray.pixel(++steps);
+    if (!at.inside(cv::Rect({0, 0}, maps.size))) {
+      return kUnknown;
+    }
+    const std::ptrdiff_t pixel = static_cast<std::ptrdiff_t>(at.y) * maps.size.width + at.x;
+    if (maps.labels[pixel] == kMatch) {
+      return maps.disparity[pixel];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cbmv
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refinement/interpolation.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "refinement/sorting-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+/// Rays are walked so many steps before anything is asked: walks are short, and a processor that
+/// guesses wrongly which step is the last waits longer than for all of these. Pixels are read that
+/// other threads may be writing, but not used; ThreadSanitizer names that.
+#ifdef __SANITIZE_THREAD__
+constexpr int kStride = 1 << 20;  // beyond any image
+#else
+constexpr int kStride = 8;
+#endif
+
+/// Which of the neighbouring pixels have the label?
+template <class D>
+HWY_INLINE hn::Mask<D> haveLabel(D tag, const std::uint8_t* labels, Label label) {
+  const hn::RebindToSigned<D> wide_tag;
+  const auto wide = hn::PromoteTo(wide_tag, hn::LoadU(hn::Rebind<std::uint8_t, D>(), labels));
+  return hn::RebindMask(tag, hn::Eq(wide, hn::Set(wide_tag, label)));
+}
+
+/// Calls f(lane) for the lanes of a mask.
+template <class D, class F>
+HWY_INLINE void forEachOf(D tag, hn::Mask<D> lanes, const F& f) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(tag, lanes, bytes);
+  for (unsigned rest = bytes[0] | static_cast<unsigned>(bytes[1]) << 8; rest != 0;
+       rest &= rest - 1) {
+    f(static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(rest)));
+  }
+}
+
+/// Walks the rays of one direction from those of the neighbouring pixels from `start` on that are
+/// `open`. Their lanes of `nearest` become the disparities of the nearest matches, kUnknown where
+/// the ray leaves the image without one.
+template <class D>
+HWY_INLINE void walk(D tag, const Maps& maps, const cv::Point& start, const Ray& ray,
+                     hn::Mask<D> open, float* nearest) {
+  const std::ptrdiff_t width = maps.size.width;
+  const std::ptrdiff_t along = ray.along.y * width + ray.along.x;
+  const std::ptrdiff_t aside = ray.aside.y * width + ray.aside.x;
+  const cv::Rect whole_vectors(0, 0, maps.size.width - static_cast<int>(hn::Lanes(tag)) + 1,
+                               maps.size.height);
+  auto found = hn::Set(tag, kUnknown);
+  int steps = 0;
+  while (!hn::AllFalse(tag, open) && (start + ray.pixel(steps + kStride)).inside(whole_vectors)) {
+    steps += kStride;
+    std::ptrdiff_t on_axis = start.y * width + start.x + steps * along;
+    std::int64_t exact_aside = ray.exactAside(steps);
+    auto met = hn::FirstN(tag, 0);
+    auto values = found;
+    for (int i = 0; i < kStride; ++i) {  // backwards: the nearest match comes last
+      const std::ptrdiff_t pixel = on_axis + (exact_aside >> kFractionBits) * aside;
+      const auto is_match = haveLabel(tag, maps.labels + pixel, kMatch);
+      values = hn::IfThenElse(is_match, hn::LoadU(tag, maps.disparity + pixel), values);
+      met = hn::Or(met, is_match);
+      on_axis -= along;
+      exact_aside -= ray.slope;
+    }
+    found = hn::IfThenElse(open, values, found);
+    open = hn::AndNot(met, open);
+  }
+  hn::StoreU(found, tag, nearest);
+  forEachOf(tag, open, [&](int lane) {
+    nearest[lane] = nearestMatch(maps, start + cv::Point(lane, 0), ray, steps);
+  });
+}
+
+/// Makes the unknown values alternately ∞ and −∞: this leaves the median of the others, the lower
+/// one of two, the eighth of all. Where there are no others it is −∞.
+template <class D>
+HWY_INLINE void balanceUnknown(D tag, float* values) {
+  const auto unknown = hn::Set(tag, kUnknown);
+  auto filler = unknown;
+  for (int k = 0; k < kDirections; ++k, values += hn::Lanes(tag)) {
+    const auto value = hn::Load(tag, values);
+    const auto is_unknown = hn::Eq(value, unknown);
+    hn::Store(hn::IfThenElse(is_unknown, filler, value), tag, values);
+    filler = hn::IfThenElse(is_unknown, hn::Neg(filler), filler);
+  }
+}
+
+/// Of the kDirections values of each lane, the eighth one: the largest of the lower eight, which
+/// are known once both halves are sorted. Reorders the values.
+template <class D>
+HWY_INLINE hn::Vec<D> eighthOf(D tag, float* values) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(tag));
+  float* half = values + kDirections / 2 * lanes;
+  sortEight(tag, values);
+  sortEight(tag, half);
+  auto largest = hn::Neg(hn::Inf(tag));
+  for (int k = 0; k < kDirections / 2; ++k) {
+    const auto other = hn::Load(tag, half + (kDirections / 2 - 1 - k) * lanes);
+    largest = hn::Max(largest, hn::Min(hn::Load(tag, values + k * lanes), other));
+  }
+  return largest;
+}
+
+/// Fills the mismatches among the neighbouring pixels from `start` on.
+template <class D>
+HWY_INLINE void fillVector(D tag, const Maps& maps, const cv::Point& start, const Rays& rays) {
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(start.y) * maps.size.width + start.x;
+  const auto mismatches = haveLabel(tag, maps.labels + first, kMismatch);
+  if (hn::AllFalse(tag, mismatches)) {
+    return;
+  }
+  HWY_ALIGN float nearest[kDirections * kLongestVector];
+  for (int k = 0; k < kDirections; ++k) {
+    walk(tag, maps, start, rays[k], mismatches, nearest + k * hn::Lanes(tag));
+  }
+  balanceUnknown(tag, nearest);
+  const auto median = eighthOf(tag, nearest);
+  hn::Store(hn::IfThenElse(hn::IsInf(median), hn::Set(tag, maps.without_match), median), tag,
+            nearest);
+  forEachOf(tag, mismatches, [&](int lane) { maps.disparity[first + lane] = nearest[lane]; });
+}
+
+void fillMismatchesOfRow(const Maps& maps, int y, const Rays& rays) {
+  forLanes(Floats(), 0, maps.size.width, [&](auto tag, int x, int) HWY_ATTR {
+    fillVector(tag, maps, {x, y}, rays);
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cbmv {
+namespace {
+
+HWY_EXPORT(fillMismatchesOfRow);
+
 /// Rays at k · 22.5°, from the x axis to the y axis.
-std::array<Ray, kDirections> makeRays() {
+Rays makeRays() {
   const cv::Point axes[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
-  std::array<Ray, kDirections> rays;
+  Rays rays;
   for (int k = 0; k < kDirections; ++k) {
     const cv::Point& before = axes[k / kQuarter];
     const cv::Point& after = axes[k / kQuarter + 1];
     const int turn = k % kQuarter;
     const int from_nearer = std::min(turn, kQuarter - turn);
+    const double slope = std::tan(2 * CV_PI * from_nearer / kDirections);
     rays[k] = {2 * turn <= kQuarter ? before : after, 2 * turn <= kQuarter ? after : before,
-               std::tan(2 * CV_PI * from_nearer / kDirections)};
+               std::llround(std::ldexp(slope, kFractionBits))};
   }
   return rays;
-}
-
-/// The nearest match on the ray from `start`; null when it leaves the image without one.
-const float* nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, const cv::Point& start,
-                          const Ray& ray) {
-  cv::Point axis = start;
-  double aside = 0.5;  // rounds to the nearest pixel
-  for (;;) {
-    axis += ray.along;
-    aside += ray.slope;
-    const int x = axis.x + static_cast<int>(aside) * ray.aside.x;
-    const int y = axis.y + static_cast<int>(aside) * ray.aside.y;
-    if (x < 0 || x >= labels.cols || y < 0 || y >= labels.rows) {
-      return nullptr;
-    }
-    if (labels.at<std::uint8_t>(y, x) == kMatch) {
-      return disparity.ptr<float>(y) + x;
-    }
-  }
-}
-
-float medianOfNearest(const cv::Mat& labels, const cv::Mat& disparity, const cv::Point& pixel,
-                      const std::array<Ray, kDirections>& rays, float without_match) {
-  std::array<float, kDirections> nearest;
-  int count = 0;
-  for (const Ray& ray : rays) {
-    if (const float* match = nearestMatch(labels, disparity, pixel, ray)) {
-      nearest[count++] = *match;
-    }
-  }
-  if (count == 0) {
-    return without_match;
-  }
-  const auto median = nearest.begin() + (count - 1) / 2;
-  std::nth_element(nearest.begin(), median, nearest.begin() + count);
-  return *median;
 }
 
 void checkMaps(const cv::Mat& labels, const cv::Mat& disparity) {
@@ -106,18 +256,15 @@ void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat&
 
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  const auto rays = makeRays();
-  // Rows can be filled in parallel: only matches are read, and they are never written.
-  tbb::parallel_for(tbb::blocked_range<int>(0, labels.rows), [&](const auto& rows) {
-    for (int y = rows.begin(); y != rows.end(); ++y) {
-      auto* out = disparity.ptr<float>(y);
-      for (int x = 0; x < labels.cols; ++x) {
-        if (labels.at<std::uint8_t>(y, x) == kMismatch) {
-          out[x] = medianOfNearest(labels, disparity, {x, y}, rays, range.invalid());
-        }
-      }
-    }
+  CV_Assert(labels.isContinuous() && disparity.isContinuous());
+  const Rays rays = makeRays();
+  const Maps maps{labels.size(), labels.ptr<std::uint8_t>(), disparity.ptr<float>(),
+                  range.invalid()};
+  // Rows can be filled in parallel: only matches are used, and they are never written.
+  tbb::parallel_for(0, labels.rows, [&](int y) {
+    HWY_DYNAMIC_DISPATCH(fillMismatchesOfRow)(maps, y, rays);
   });
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/refinement/left_right_check.h"
 
@@ -69,14 +70,21 @@ class Interpolation : public testing::TestWithParam<Case> {
     const auto [shape, view, content] = GetParam();
     const DisparityRange range = shape.range;
     const std::uint32_t seed = view == View::kLeft ? 13 : 14;
-    for (const int match_every : {1, 3, 40, 1000000}) {
+    for (const int match_every : {1, 3, 40, 1000, 1000000}) {
       const cv::Mat labels = makeLabels(shape.size(), content, match_every, seed);
       const cv::Mat before = makeDisparity(shape, content, 1000000, seed);
-      cv::Mat after = before.clone();
-      fill(labels, range, after);
-      expectMap<float>(after, shape.size(), [&](int y, int x) {
-        return labels.at<std::uint8_t>(y, x) == label ? naive(labels, before, range.invalid(), y, x)
-                                                      : before.at<float>(y, x);
+      cv::Mat expected = before.clone();
+      for (int y = 0; y < shape.height; ++y) {
+        for (int x = 0; x < shape.width; ++x) {
+          if (labels.at<std::uint8_t>(y, x) == label) {
+            expected.at<float>(y, x) = naive(labels, before, range.invalid(), y, x);
+          }
+        }
+      }
+      onEverySimdTarget([&, all = shape] {
+        cv::Mat after = before.clone();
+        fill(labels, range, after);
+        expectMap<float>(after, all.size(), [&](int y, int x) { return expected.at<float>(y, x); });
       });
     }
   }
@@ -91,6 +99,10 @@ TEST_P(Interpolation, MismatchesEqualNaiveOnes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Interpolation, allCases());
+INSTANTIATE_TEST_SUITE_P(LongRays, Interpolation,
+                         testing::Combine(testing::Values(Shape{61, 150, {0, 64}}),
+                                          testing::Values(View::kLeft),
+                                          testing::Values(Content::kNoise, Content::kPatches)));
 
 }  // namespace
 }  // namespace cbmv::test

@@ -21,8 +21,8 @@ void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat&
 /// count. The lower of the two middle values when their number is even; range.invalid() when there
 /// is none.
 ///
-/// Only pixels that `labels` calls kMatch are read; only those that it calls kMismatch are written.
-/// Parallel over rows by oneTBB.
+/// Only pixels that `labels` calls kMatch count; only those that it calls kMismatch are written.
+/// Both maps are continuous in memory, sides below 2^15 px. Parallel over rows by oneTBB.
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);
 
 }  // namespace cbmv
