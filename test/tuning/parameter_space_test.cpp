@@ -79,7 +79,7 @@ TEST(ParameterSpace, RefusesWhatCannotBeSearched) {
 
 TEST(PresetParameters, AreThoseBehindTheVolume) {
   const std::vector<Parameter> parameters = presetParameters();
-  ASSERT_EQ(parameters.size() + 6, stereoParameters().size());
+  ASSERT_EQ(parameters.size() + 9, stereoParameters().size());
   EXPECT_EQ(parameters.front().name, "cbca_arm_length");
   EXPECT_EQ(parameters.back().name, "bilateral_threshold");
 }

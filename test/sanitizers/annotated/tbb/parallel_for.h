@@ -13,6 +13,13 @@ void ordered_parallel_for(Index first, Index last, const Body& body) {
   order.end();
 }
 
+template <typename Index, typename Body>
+void ordered_parallel_for(Index first, Index last, Index step, const Body& body) {
+  LoopOrder order;
+  parallel_for(first, last, step, [&](Index index) { order.run([&] { body(index); }); });
+  order.end();
+}
+
 template <typename Range, typename Body>
 void ordered_parallel_for(const Range& range, const Body& body) {
   LoopOrder order;
