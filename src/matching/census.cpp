@@ -1,10 +1,5 @@
 #include "cbmv_stereo/matching/census.h"
 
-#include <array>
-#include <cstddef>
-
-#include <tbb/parallel_for.h>
-
 #include "cbmv_stereo/matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -21,22 +16,6 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
-
-/// `bits[x]`: which of the eight neighbours at the given distances in memory are darker than the
-/// pixel itself.
-void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances, int width,
-                       std::uint8_t* bits) {
-  forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
-    const auto centre = hn::LoadU(tag, pixels + x);
-    auto darker = hn::Zero(tag);
-    for (int bit = 0; bit < 8; ++bit) {
-      const auto neighbour = hn::LoadU(tag, pixels + x + distances[bit]);
-      darker = hn::Or(darker, hn::IfThenElseZero(hn::Lt(neighbour, centre),
-                                                 hn::Set(tag, 1U << static_cast<unsigned>(bit))));
-    }
-    hn::StoreU(darker, tag, bits + x);
-  });
-}
 
 /// Hamming distances of the columns `span` of the left image and those d further left in the right
 /// one. Byte k of a column lies `stride` behind byte k − 1.
@@ -62,43 +41,15 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(compareNeighbours);
 HWY_EXPORT(hammingDistances);
-
-/// From a pixel to its neighbours in memory, in raster order.
-std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> neighbourDistances(std::ptrdiff_t stride) {
-  constexpr int kRadius = CensusMatcher::kWindowPx / 2;
-  std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> distances{};
-  std::size_t count = 0;
-  for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      if (dy != 0 || dx != 0) {
-        distances[count++] = dy * stride + dx;
-      }
-    }
-  }
-  return distances;
-}
 
 }  // namespace
 
-void CensusMatcher::transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const {
-  const int height = padded.rows - 2 * kMatchingBorderPx;
-  bits.resize(rowOffset(height));
-  const auto distances = neighbourDistances(static_cast<std::ptrdiff_t>(padded.step1()));
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int k = 0; k < kBytes; ++k) {
-      HWY_DYNAMIC_DISPATCH(compareNeighbours)
-      (paddedRow<std::uint8_t>(padded, y), &distances[8 * k], width_,
-       bits.data() + rowOffset(y) + static_cast<std::size_t>(k) * width_);
-    }
-  });
-}
-
 void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
+  const cv::Size window(kWindowPx, kWindowPx);
   width_ = padded_left.cols - 2 * kMatchingBorderPx;
-  transform(padded_left, left_);
-  transform(padded_right, right_);
+  left_.compute(padded_left, window);
+  right_.compute(padded_right, window);
 }
 
 void CensusMatcher::computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs,
@@ -108,7 +59,7 @@ void CensusMatcher::computeRow(int y, const DisparityRange& range, CostRow<std::
     const int d = range.min + i;
     forSpans(spans, width_, range, i, [&](const ColumnSpan& span) {
       HWY_DYNAMIC_DISPATCH(hammingDistances)
-      (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, d, span, costs.line(i));
+      (left_.row(y), right_.row(y), width_, d, span, costs.line(i));
     });
   }
 }

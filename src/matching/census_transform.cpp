@@ -49,8 +49,9 @@ namespace {
 HWY_EXPORT(compareNeighbours);
 
 /// From a pixel to its neighbours in memory, in raster order.
-std::vector<std::ptrdiff_t> neighbourDistances(cv::Size window, std::ptrdiff_t stride) {
-  std::vector<std::ptrdiff_t> distances;
+void findNeighbours(cv::Size window, std::ptrdiff_t stride,
+                    std::vector<std::ptrdiff_t>& distances) {
+  distances.clear();
   for (int dy = -window.height / 2; dy <= window.height / 2; ++dy) {
     for (int dx = -window.width / 2; dx <= window.width / 2; ++dx) {
       if (dy != 0 || dx != 0) {
@@ -58,14 +59,13 @@ std::vector<std::ptrdiff_t> neighbourDistances(cv::Size window, std::ptrdiff_t s
       }
     }
   }
-  return distances;
 }
 
 }  // namespace
 
 void CensusTransform::compute(const cv::Mat& padded, cv::Size window) {
-  const auto distances = neighbourDistances(window, static_cast<std::ptrdiff_t>(padded.step1()));
-  const int neighbours = static_cast<int>(distances.size());
+  findNeighbours(window, static_cast<std::ptrdiff_t>(padded.step1()), neighbour_distances_);
+  const int neighbours = static_cast<int>(neighbour_distances_.size());
   const int height = padded.rows - 2 * kMatchingBorderPx;
   width_ = padded.cols - 2 * kMatchingBorderPx;
   bytes_ = (neighbours + 7) / 8;
@@ -73,8 +73,9 @@ void CensusTransform::compute(const cv::Mat& padded, cv::Size window) {
   tbb::parallel_for(0, height, [&](int y) {
     for (int k = 0; k < bytes_; ++k) {
       HWY_DYNAMIC_DISPATCH(compareNeighbours)
-      (paddedRow<std::uint8_t>(padded, y), &distances[8 * k], std::min(8, neighbours - 8 * k),
-       width_, bits_.data() + (static_cast<std::size_t>(y) * bytes_ + k) * width_);
+      (paddedRow<std::uint8_t>(padded, y), &neighbour_distances_[8 * k],
+       std::min(8, neighbours - 8 * k), width_,
+       bits_.data() + (static_cast<std::size_t>(y) * bytes_ + k) * width_);
     }
   });
 }

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "cbmv_stereo/matching/census_transform.h"
 #include "cbmv_stereo/matching/cost_row.h"
 
 namespace cbmv {
@@ -25,12 +24,9 @@ class CensusMatcher {
                   const RowSpans* spans = nullptr) const;
 
  private:
-  std::size_t rowOffset(int y) const { return static_cast<std::size_t>(y) * kBytes * width_; }
-  void transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const;
-
   int width_ = 0;
-  std::vector<std::uint8_t> left_;  ///< [y][byte][x]
-  std::vector<std::uint8_t> right_;
+  CensusTransform left_;
+  CensusTransform right_;
 };
 
 }  // namespace cbmv

@@ -28,6 +28,7 @@ class CensusTransform {
   int width_ = 0;
   int bytes_ = 0;
   std::vector<std::uint8_t> bits_;
+  std::vector<std::ptrdiff_t> neighbour_distances_;  ///< in memory, in raster order
 };
 
 }  // namespace cbmv
