@@ -42,11 +42,10 @@ StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
   const std::string prefix = image_name.empty() ? "" : image_name + ": ";
   StereoOptions options = wanted;
   options.range = clipRange(wanted.range, image_size.width);
-  for (const std::string& refusal :
-       {memoryRefusal(image_size, options), machineMemoryRefusal(image_size, options)}) {
-    if (!refusal.empty()) {
-      throw InputError(InputFault::kMemory, prefix + refusal);
-    }
+  try {
+    requireMemory(image_size, options);
+  } catch (const Error& error) {
+    throw InputError(InputFault::kMemory, prefix + error.what());
   }
   return options;
 }
@@ -74,8 +73,7 @@ PreparedPair FrameProcessor::prepare(const StereoInput& input) const {
 }
 
 VerticalOffset FrameProcessor::estimateOffset(const PreparedPair& pair) const {
-  return toCorrection(measureOffset(pair), pair.images.left.size(),
-                      wantedOptions().rectification);
+  return toCorrection(measureOffset(pair), pair.images.left.size(), wantedOptions().rectification);
 }
 
 VerticalOffsetMeasurement FrameProcessor::measureOffset(const PreparedPair& pair) const {
@@ -93,9 +91,8 @@ ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& off
   }
   const StereoOptions& options = matcher_.options();
   ProcessedFrame frame;
-  frame.result = matcher_.match(
-      pair.images.left, pair.images.right,
-      offset.offsetOf(pair.images, options.range, options.rectification));
+  frame.result = matcher_.match(pair.images.left, pair.images.right,
+                                offset.offsetOf(pair.images, options.range, options.rectification));
   frame.rectification = offset.state();
   frame.result.disparity.setTo(frame.result.range.invalid(),
                                frame.result.confidence < min_confidence_.load());

@@ -263,8 +263,8 @@ int runMerge(int argc, char** argv) {
   addCompression(app, options.compression);
   app.add_flag("--overwrite", options.overwrite, "Replace the output if it exists");
   int status = 0;
-  const int refusal = runTool(app, argc, argv, kTool, [&] { status = merge(options); });
-  return refusal != 0 ? refusal : status;
+  const int error_status = runTool(app, argc, argv, kTool, [&] { status = merge(options); });
+  return error_status != 0 ? error_status : status;
 }
 
 int runCheckOrConvert(int argc, char** argv, bool is_check) {
@@ -280,9 +280,9 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
         "BAG...` makes one bag from those of all shards.");
   }
   int status = 0;
-  const int refusal = runTool(app, argc, argv, kTool,
-                              [&] { status = is_check ? check(arguments) : convert(arguments); });
-  return refusal != 0 ? refusal : status;
+  const int error_status = runTool(
+      app, argc, argv, kTool, [&] { status = is_check ? check(arguments) : convert(arguments); });
+  return error_status != 0 ? error_status : status;
 }
 
 }  // namespace
