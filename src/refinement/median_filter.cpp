@@ -1,5 +1,6 @@
 #include "cbmv_stereo/refinement/median_filter.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -14,17 +15,17 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "refinement/sorting-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, kLongestVector>;
+using Vector = hn::Vec<Floats>;
 
-HWY_INLINE void sortPair(float* low, float* high) {
+/// Of two vectors in memory.
+HWY_INLINE void sortStored(float* low, float* high) {
   const auto a = hn::Load(Floats(), low);
   const auto b = hn::Load(Floats(), high);
   hn::Store(hn::Min(a, b), Floats(), low);
@@ -56,17 +57,17 @@ HWY_INLINE void loadWindows(const float* window, std::ptrdiff_t stride, int size
 HWY_INLINE void sortEnds(float* first, float* last, int count) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
   for (int i = 0; i < count / 2; ++i) {
-    sortPair(first + i * lanes, last - i * lanes);
+    sortStored(first + i * lanes, last - i * lanes);
   }
   for (int i = 1; i < (count + 1) / 2; ++i) {
-    sortPair(first, first + i * lanes);
-    sortPair(last - i * lanes, last);
+    sortStored(first, first + i * lanes);
+    sortStored(last - i * lanes, last);
   }
 }
 
 /// Median of `count` (odd) vectors, which are reordered. Of any set of more than half of them,
 /// neither the smallest nor the largest is the median: these two can go and another one come in.
-HWY_INLINE hn::Vec<Floats> median(float* values, int count) {
+HWY_INLINE Vector median(float* values, int count) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
   const int middle = count / 2;
   float* last = values + (middle + 1) * lanes;
@@ -79,19 +80,87 @@ HWY_INLINE hn::Vec<Floats> median(float* values, int count) {
   return hn::Load(Floats(), values + middle * lanes);
 }
 
+/// Medians of the valid pixels of windows; centers that are invalid stay so. `values` is memory for
+/// vectors of all pixels of a window.
+HWY_INLINE Vector medianOfValid(const float* window, std::ptrdiff_t stride, int size, float invalid,
+                                float* values) {
+  loadWindows(window, stride, size, invalid, values);
+  const auto center = hn::LoadU(Floats(), window + size / 2 * stride + size / 2);
+  const auto is_invalid = hn::Eq(center, hn::Set(Floats(), invalid));
+  return hn::IfThenElse(is_invalid, center, median(values, size * size));
+}
+
 /// Medians around the pixels of a row: `padded` points to the upper left corner of the first
 /// window. Reads whole vectors.
 void filterRow(const float* padded, std::ptrdiff_t stride, int width, int size, float invalid,
                float* medians) {
   const Floats tag;
   HWY_ALIGN float values[kMaxMedianSizePx * kMaxMedianSizePx * kLongestVector];
-  const float* centres = padded + size / 2 * stride + size / 2;
   for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
-    loadWindows(padded + x, stride, size, invalid, values);
-    const auto centre = hn::LoadU(tag, centres + x);
-    const auto is_invalid = hn::Eq(centre, hn::Set(tag, invalid));
-    storeFirst(tag, hn::IfThenElse(is_invalid, centre, median(values, size * size)), width - x,
+    storeFirst(tag, medianOfValid(padded + x, stride, size, invalid, values), width - x,
                medians + x);
+  }
+}
+
+/// Puts the values of each lane in order.
+HWY_INLINE void sortThree(Vector& a, Vector& b, Vector& c) {
+  sortPair(a, b);
+  sortPair(b, c);
+  sortPair(a, b);
+}
+
+/// Medians of 3 × 3 windows: with sorted columns, the median of the largest of the lows, the median
+/// of the middles and the smallest of the highs.
+HWY_INLINE Vector medianOfNine(const float* window, std::ptrdiff_t stride, float invalid) {
+  const Floats tag;
+  const auto load = [=](int y, int x) HWY_ATTR { return hn::LoadU(tag, window + y * stride + x); };
+  auto low0 = load(0, 0), middle0 = load(1, 0), high0 = load(2, 0);
+  auto low1 = load(0, 1), middle1 = load(1, 1), high1 = load(2, 1);
+  auto low2 = load(0, 2), middle2 = load(1, 2), high2 = load(2, 2);
+  sortThree(low0, middle0, high0);
+  sortThree(low1, middle1, high1);
+  sortThree(low2, middle2, high2);
+  const auto lowest = hn::Min(hn::Min(low0, low1), low2);
+  if (!hn::AllTrue(tag, hn::Gt(lowest, hn::Set(tag, invalid)))) {
+    HWY_ALIGN float values[3 * 3 * kLongestVector];
+    return medianOfValid(window, stride, 3, invalid, values);
+  }
+  auto low = hn::Max(hn::Max(low0, low1), low2);
+  auto high = hn::Min(hn::Min(high0, high1), high2);
+  sortThree(middle0, middle1, middle2);
+  sortThree(low, middle1, high);
+  return middle1;
+}
+
+/// The 3 × 3 windows around the pixels of row y from column x on, so many as there are lanes, with
+/// invalid pixels outside of the image.
+HWY_INLINE void padWindows(const cv::Mat& disparity, int y, int x, float invalid, float* block) {
+  const int width = static_cast<int>(hn::Lanes(Floats())) + 2;
+  std::fill_n(block, 3 * width, invalid);
+  const int begin = std::max(x - 1, 0);
+  const int end = std::min(x - 1 + width, disparity.cols);
+  for (int row = std::max(y - 1, 0); row <= std::min(y + 1, disparity.rows - 1); ++row) {
+    const auto* in = disparity.ptr<float>(row);
+    std::copy(in + begin, in + end, block + (row - (y - 1)) * width + begin - (x - 1));
+  }
+}
+
+/// Medians of 3 × 3 pixels around those of a row.
+void filterRowByThree(const cv::Mat& disparity, int y, float invalid, float* medians) {
+  const Floats tag;
+  const int lanes = static_cast<int>(hn::Lanes(tag));
+  float block[3 * (kLongestVector + 2)];
+  const bool is_inner_row = y > 0 && y + 1 < disparity.rows;
+  for (int x = 0; x < disparity.cols; x += lanes) {
+    const bool is_inner = is_inner_row && x > 0 && x + lanes < disparity.cols;
+    if (!is_inner) {
+      padWindows(disparity, y, x, invalid, block);
+    }
+    const auto found = is_inner
+                           ? medianOfNine(disparity.ptr<float>(y - 1) + x - 1,
+                                          static_cast<std::ptrdiff_t>(disparity.step1()), invalid)
+                           : medianOfNine(block, lanes + 2, invalid);
+    storeFirst(tag, found, disparity.cols - x, medians + x);
   }
 }
 
@@ -105,6 +174,7 @@ namespace cbmv {
 namespace {
 
 HWY_EXPORT(filterRow);
+HWY_EXPORT(filterRowByThree);
 
 }  // namespace
 
@@ -115,9 +185,14 @@ void medianFilter(const cv::Mat& disparity, const DisparityRange& range, int siz
     throw Error("The size of the median filter is " + std::to_string(size_px) +
                 " px; it must be odd and between 1 and " + std::to_string(kMaxMedianSizePx) + ".");
   }
-  const int radius = size_px / 2;
-  padDisparity(disparity, range.invalid(), radius, range.invalid(), padded);
   filtered.create(disparity.size(), CV_32FC1);
+  if (size_px == 3) {
+    tbb::parallel_for(0, disparity.rows, [&](int y) {
+      HWY_DYNAMIC_DISPATCH(filterRowByThree)(disparity, y, range.invalid(), filtered.ptr<float>(y));
+    });
+    return;
+  }
+  padDisparity(disparity, range.invalid(), size_px / 2, range.invalid(), padded);
   tbb::parallel_for(0, disparity.rows, [&](int y) {
     HWY_DYNAMIC_DISPATCH(filterRow)
     (padded.ptr<float>(y), static_cast<std::ptrdiff_t>(padded.step1()), disparity.cols, size_px,
