@@ -38,19 +38,24 @@ void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distanc
   });
 }
 
-/// Hamming distances of the columns `span` of the left image and those d further left in the right
-/// one. Byte k of a column lies `stride` behind byte k − 1.
-void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int stride, int d,
-                      const ColumnSpan& span, std::uint8_t* line) {
-  forLanes(Bytes(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-    auto distance = hn::Zero(tag);
-    for (int k = 0; k < CensusMatcher::kBytes; ++k) {
-      const auto difference = hn::Xor(hn::LoadU(tag, left + k * stride + x),
-                                      hn::LoadU(tag, right + k * stride + x - d));
-      distance = hn::Add(distance, hn::PopulationCount(difference));
+/// Hamming distances of all hypotheses. Byte k of a column lies `stride` behind byte k − 1. The
+/// last vector of a run reaches beyond it, into places that come later.
+void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int stride,
+                      const RowEntries& entries, std::uint8_t* costs) {
+  const Bytes tag;
+  for (const RowEntries::Run& run : entries.runs()) {
+    const std::uint8_t* match = right - run.d;
+    std::uint8_t* line = costs + run.offset;
+    for (int x = run.span.begin; x < run.span.end; x += static_cast<int>(hn::Lanes(tag))) {
+      auto distance = hn::Zero(tag);
+      for (int k = 0; k < CensusMatcher::kBytes; ++k) {
+        const auto difference =
+            hn::Xor(hn::LoadU(tag, left + k * stride + x), hn::LoadU(tag, match + k * stride + x));
+        distance = hn::Add(distance, hn::PopulationCount(difference));
+      }
+      hn::StoreU(distance, tag, line + x);
     }
-    hn::StoreU(distance, tag, line + x);
-  });
+  }
 }
 
 }  // namespace
@@ -84,7 +89,7 @@ std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> neighbourDistances(std::pt
 
 void CensusMatcher::transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const {
   const int height = padded.rows - 2 * kMatchingBorderPx;
-  bits.resize(rowOffset(height));
+  bits.resize(rowOffset(height) + kReadableBytesBeyond);
   const auto distances = neighbourDistances(static_cast<std::ptrdiff_t>(padded.step1()));
   tbb::parallel_for(0, height, [&](int y) {
     for (int k = 0; k < kBytes; ++k) {
@@ -101,15 +106,11 @@ void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_ri
   transform(padded_right, right_);
 }
 
-void CensusMatcher::computeRow(int y, const DisparityRange& range,
+void CensusMatcher::computeRow(int y, const RowEntries& entries,
                                CostRow<std::uint8_t>& costs) const {
-  costs.resize(width_, range.count);
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(hammingDistances)
-    (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, d,
-     matchedColumns(width_, d), costs.line(i));
-  }
+  costs.resize(entries.count());
+  HWY_DYNAMIC_DISPATCH(hammingDistances)
+  (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, entries, costs.entry(0));
 }
 
 }  // namespace cbmv

@@ -69,8 +69,8 @@ void sumWindows(const NccMatcher::Rows& rows, int width, float* columns, float* 
   });
 }
 
-void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right, int d,
-               const ColumnSpan& span, float* columns, float* line) {
+HWY_INLINE void correlateRun(const NccMatcher::Windows& left, const NccMatcher::Windows& right,
+                             int d, const ColumnSpan& span, float* columns, float* line) {
   sumProducts(left.rows, right.rows, d, span, columns);
   const NccMatcher::Windows l = left;
   const NccMatcher::Windows r = right;
@@ -84,6 +84,13 @@ void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right
     const auto textured = hn::Gt(inverse, hn::Zero(tag));
     hn::StoreU(hn::IfThenElse(textured, cost, hn::Set(tag, 1.0F)), tag, line + x);
   });
+}
+
+void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right,
+               const RowEntries& entries, float* columns, float* costs) {
+  for (const RowEntries::Run& run : entries.runs()) {
+    correlateRun(left, right, run.d, run.span, columns, costs + run.offset);
+  }
 }
 
 }  // namespace
@@ -139,19 +146,12 @@ void NccMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right
   prepareImage(padded_right, right_);
 }
 
-void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
+void NccMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
                             CostRow<float>& costs) const {
-  const int width = left_.sums.cols;
-  costs.resize(width, range.count);
-  const Windows left = left_.row(y);
-  const Windows right = right_.row(y);
-  scratch.resize(width);
-  float* columns = scratch.column_sums.data() + 1;
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    HWY_DYNAMIC_DISPATCH(correlate)
-    (left, right, d, matchedColumns(width, d), columns, costs.line(i));
-  }
+  costs.resize(entries.count());
+  scratch.resize(left_.sums.cols);
+  HWY_DYNAMIC_DISPATCH(correlate)
+  (left_.row(y), right_.row(y), entries, scratch.column_sums.data() + 1, costs.entry(0));
 }
 
 }  // namespace cbmv

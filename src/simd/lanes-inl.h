@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 /// Calls f(d, x, done) so that the vectors from x on cover the columns [begin, end) and nothing
 /// else. The last vector begins early enough to end at `end`: its first `done` lanes were in a call
 /// before, which makes no difference to an f that only writes what it computes. In spans narrower
-/// than a vector, d has one lane.
+/// than a vector, d has fewer lanes: the largest power of two that fits.
 template <class D, class F>
 HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -28,9 +28,9 @@ HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
       const int x = std::min(next, end - lanes);
       f(d, x, next - x);
     }
-  } else {
-    for (int x = begin; x < end; ++x) {
-      f(hn::CappedTag<hn::TFromD<D>, 1>(), x, 0);
+  } else if constexpr (hn::MaxLanes(D()) > 1) {
+    if (begin < end) {
+      forLanes(hn::CappedTag<hn::TFromD<D>, hn::MaxLanes(D()) / 2>(), begin, end, f);
     }
   }
 }

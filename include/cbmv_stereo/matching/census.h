@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv {
 
@@ -20,8 +21,8 @@ class CensusMatcher {
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y, in [0, 120].
-  void computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs) const;
+  /// Costs of the entries of row y, in [0, 120].
+  void computeRow(int y, const RowEntries& entries, CostRow<std::uint8_t>& costs) const;
 
  private:
   std::size_t rowOffset(int y) const { return static_cast<std::size_t>(y) * kBytes * width_; }

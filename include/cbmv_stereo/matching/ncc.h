@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv {
 
@@ -25,9 +26,8 @@ class NccMatcher {
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                  CostRow<float>& costs) const;
+  /// Costs of the entries of row y.
+  void computeRow(int y, const RowEntries& entries, Scratch& scratch, CostRow<float>& costs) const;
 
   /// What is known of the windows of one row; pointers to column 0.
   using Rows = std::array<const float*, kWindowPx>;

@@ -7,11 +7,15 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/forest/forest_evaluator.h"
+#include "cbmv_stereo/matching/matcher_set.h"
 #include "cbmv_stereo/volume/disparity_range.h"
 #include "cbmv_stereo/volume/per_thread.h"
 #include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
+
+/// The matchers whose features a tree of the forest asks for: the others need not be computed.
+MatcherSelection askedMatchers(const Forest& forest);
 
 /// Builds the matching volume of a pair: streams the image row by row through the four matchers,
 /// the bidirectional features and the forest. The 20 features of a row exist only while their row
