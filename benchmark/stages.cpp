@@ -195,7 +195,9 @@ using Unit = StageUnit;
 std::vector<Stage> rowStages() {
   return {
       {"census", Unit::kRowHypotheses, 0, 45,
-       [](StageData& s) { s.census.computeRow(s.middleRow(), s.entries, s.costs.census); },
+       [](StageData& s) {
+         s.census.computeRow(s.middleRow(), s.entries, s.scratch.census, s.costs.census);
+       },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.census, sum); }},
       {"ncc", Unit::kRowHypotheses, 0, 52,
        [](StageData& s) { s.ncc.computeRow(s.middleRow(), s.entries, s.scratch.ncc, s.costs.ncc); },

@@ -3,8 +3,6 @@
 #include <array>
 #include <cstddef>
 
-#include <tbb/parallel_for.h>
-
 #include "cbmv_stereo/matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -24,8 +22,8 @@ using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
 /// `bits[x]`: which of the eight neighbours at the given distances in memory are darker than the
 /// pixel itself.
-void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances, int width,
-                       std::uint8_t* bits) {
+HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances,
+                                  int width, std::uint8_t* bits) {
   forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
     const auto centre = hn::LoadU(tag, pixels + x);
     auto darker = hn::Zero(tag);
@@ -38,10 +36,18 @@ void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distanc
   });
 }
 
-/// Hamming distances of all hypotheses. Byte k of a column lies `stride` behind byte k − 1. The
-/// last vector of a run reaches beyond it, into places that come later.
-void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int stride,
-                      const RowEntries& entries, std::uint8_t* costs) {
+/// Byte k of column x at bits[k · width + x].
+HWY_INLINE void transform(const std::uint8_t* pixels, const CensusMatcher::Distances& distances,
+                          int width, std::uint8_t* bits) {
+  for (int k = 0; k < CensusMatcher::kBytes; ++k) {
+    compareNeighbours(pixels, &distances[8 * k], width, bits + k * width);
+  }
+}
+
+/// Hamming distances of all hypotheses. The last vector of a run reaches beyond it, into places
+/// that come later.
+HWY_INLINE void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int width,
+                                 const RowEntries& entries, std::uint8_t* costs) {
   const Bytes tag;
   for (const RowEntries::Run& run : entries.runs()) {
     const std::uint8_t* match = right - run.d;
@@ -50,12 +56,20 @@ void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int s
       auto distance = hn::Zero(tag);
       for (int k = 0; k < CensusMatcher::kBytes; ++k) {
         const auto difference =
-            hn::Xor(hn::LoadU(tag, left + k * stride + x), hn::LoadU(tag, match + k * stride + x));
+            hn::Xor(hn::LoadU(tag, left + k * width + x), hn::LoadU(tag, match + k * width + x));
         distance = hn::Add(distance, hn::PopulationCount(difference));
       }
       hn::StoreU(distance, tag, line + x);
     }
   }
+}
+
+void matchRow(const std::uint8_t* left_pixels, const std::uint8_t* right_pixels,
+              const CensusMatcher::Distances& distances, int width, const RowEntries& entries,
+              CensusMatcher::Scratch& scratch, std::uint8_t* costs) {
+  transform(left_pixels, distances, width, scratch.left.data());
+  transform(right_pixels, distances, width, scratch.right.data());
+  hammingDistances(scratch.left.data(), scratch.right.data(), width, entries, costs);
 }
 
 }  // namespace
@@ -67,13 +81,11 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(compareNeighbours);
-HWY_EXPORT(hammingDistances);
+HWY_EXPORT(matchRow);
 
-/// From a pixel to its neighbours in memory, in raster order.
-std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> neighbourDistances(std::ptrdiff_t stride) {
+CensusMatcher::Distances neighbourDistances(std::ptrdiff_t stride) {
   constexpr int kRadius = CensusMatcher::kWindowPx / 2;
-  std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> distances{};
+  CensusMatcher::Distances distances{};
   std::size_t count = 0;
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
@@ -87,30 +99,26 @@ std::array<std::ptrdiff_t, 8 * CensusMatcher::kBytes> neighbourDistances(std::pt
 
 }  // namespace
 
-void CensusMatcher::transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const {
-  const int height = padded.rows - 2 * kMatchingBorderPx;
-  bits.resize(rowOffset(height) + kReadableBytesBeyond);
-  const auto distances = neighbourDistances(static_cast<std::ptrdiff_t>(padded.step1()));
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int k = 0; k < kBytes; ++k) {
-      HWY_DYNAMIC_DISPATCH(compareNeighbours)
-      (paddedRow<std::uint8_t>(padded, y), &distances[8 * k], width_,
-       bits.data() + rowOffset(y) + static_cast<std::size_t>(k) * width_);
-    }
-  });
+void CensusMatcher::Scratch::resize(int width) {
+  const std::size_t size = static_cast<std::size_t>(width) * kBytes + kReadableBytesBeyond;
+  left.resize(size);
+  right.resize(size);
 }
 
 void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
-  width_ = padded_left.cols - 2 * kMatchingBorderPx;
-  transform(padded_left, left_);
-  transform(padded_right, right_);
+  padded_left_ = padded_left;
+  padded_right_ = padded_right;
+  distances_ = neighbourDistances(static_cast<std::ptrdiff_t>(padded_left.step1()));
 }
 
-void CensusMatcher::computeRow(int y, const RowEntries& entries,
+void CensusMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
                                CostRow<std::uint8_t>& costs) const {
+  const int width = padded_left_.cols - 2 * kMatchingBorderPx;
   costs.resize(entries.count());
-  HWY_DYNAMIC_DISPATCH(hammingDistances)
-  (left_.data() + rowOffset(y), right_.data() + rowOffset(y), width_, entries, costs.entry(0));
+  scratch.resize(width);
+  HWY_DYNAMIC_DISPATCH(matchRow)
+  (paddedRow<std::uint8_t>(padded_left_, y), paddedRow<std::uint8_t>(padded_right_, y), distances_,
+   width, entries, scratch, costs.entry(0));
 }
 
 }  // namespace cbmv

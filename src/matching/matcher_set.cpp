@@ -20,6 +20,7 @@ void MatcherCosts::resize(std::size_t entries, const MatcherSelection& used) {
 }
 
 void MatcherSet::Scratch::resize(int width) {
+  census.resize(width);
   ncc.resize(width);
   zero_mean_sad.resize(width);
   sobel_sad.resize(width);
@@ -45,7 +46,7 @@ void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right, const Matche
 void MatcherSet::computeRow(int y, const RowEntries& entries, const MatcherSelection& used,
                             Scratch& scratch, MatcherCosts& costs) const {
   if (used[kCensus]) {
-    census_.computeRow(y, entries, costs.census);
+    census_.computeRow(y, entries, scratch.census, costs.census);
   }
   if (used[kNcc]) {
     ncc_.computeRow(y, entries, scratch.ncc, costs.ncc);

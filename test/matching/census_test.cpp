@@ -13,7 +13,10 @@ TEST_P(CensusTest, EqualsHammingDistanceOfComparisons) {
   expectCosts<std::uint8_t, CensusMatcher>(
       pair, shape, 0,
       [](const CensusMatcher& matcher, int y, const RowEntries& entries,
-         CostRow<std::uint8_t>& costs) { matcher.computeRow(y, entries, costs); },
+         CostRow<std::uint8_t>& costs) {
+        CensusMatcher::Scratch scratch;
+        matcher.computeRow(y, entries, scratch, costs);
+      },
       [&](int y, int x, int x_right) {
         int distance = 0;
         for (int dy = -5; dy <= 5; ++dy) {

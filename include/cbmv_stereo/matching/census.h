@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,19 +19,28 @@ class CensusMatcher {
   static constexpr int kWindowPx = 11;
   static constexpr int kBytes = (kWindowPx * kWindowPx - 1) / 8;  ///< one bit a neighbour
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
+  /// From a pixel to its neighbours in memory, in raster order.
+  using Distances = std::array<std::ptrdiff_t, 8 * kBytes>;
+
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    std::vector<std::uint8_t> left;  ///< [byte][x]
+    std::vector<std::uint8_t> right;
+    void resize(int width);
+  };
+
+  /// Takes a pair, which has to stay as it is while rows are computed. Both CV_8UC1, extended by
+  /// padImage, with rows of the same length in memory.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
   /// Costs of the entries of row y, in [0, 120].
-  void computeRow(int y, const RowEntries& entries, CostRow<std::uint8_t>& costs) const;
+  void computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                  CostRow<std::uint8_t>& costs) const;
 
  private:
-  std::size_t rowOffset(int y) const { return static_cast<std::size_t>(y) * kBytes * width_; }
-  void transform(const cv::Mat& padded, std::vector<std::uint8_t>& bits) const;
-
-  int width_ = 0;
-  std::vector<std::uint8_t> left_;  ///< [y][byte][x]
-  std::vector<std::uint8_t> right_;
+  cv::Mat padded_left_;
+  cv::Mat padded_right_;
+  Distances distances_{};
 };
 
 }  // namespace cbmv

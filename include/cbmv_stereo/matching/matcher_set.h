@@ -47,6 +47,7 @@ class MatcherSet {
  public:
   /// Memory for one row at a time; one per thread.
   struct Scratch {
+    CensusMatcher::Scratch census;
     NccMatcher::Scratch ncc;
     ZeroMeanSadMatcher::Scratch zero_mean_sad;
     SobelSadMatcher::Scratch sobel_sad;
