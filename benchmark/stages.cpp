@@ -1,5 +1,6 @@
 #include "stages.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <numeric>
@@ -70,8 +71,9 @@ struct StageData {
   MatcherSet::Scratch scratch;
   MatcherCosts costs;
   std::array<RowTerms, kMatcherCount> terms;
-  std::vector<std::uint8_t> codes;      ///< [feature][x] of one disparity
-  std::vector<std::uint8_t> row_costs;  ///< [x] of one disparity
+  RowEntries entries;
+  CodeBlock codes;                      ///< of the last places
+  std::vector<std::uint8_t> row_costs;  ///< [place][column of the tile]
 };
 
 namespace {
@@ -84,63 +86,49 @@ void computeArms(const StageData& data, const cv::Mat& grey, cv::Mat& arms) {
 
 void computeTerms(StageData& data) {
   for (int m = 0; m < kMatcherCount; ++m) {
-    computeRowTerms(data.costs.rows()[m], data.width(), data.range, kMatcherConstants[m],
+    computeRowTerms(data.costs.rows()[m], data.entries, data.width(), kMatcherConstants[m],
                     data.terms[m]);
   }
 }
 
-/// Calls `use(i, span)` for every disparity of the row.
+/// Calls `use(places)` for all blocks of the row.
 template <typename Use>
-void forRowDisparities(const StageData& data, const Use& use) {
-  for (int i = 0; i < data.range.count; ++i) {
-    const ColumnSpan span = matchedColumns(data.width(), data.range.min + i);
-    if (!span.empty()) {
-      use(i, span);
-    }
+void forBlocks(const StageData& data, const Use& use) {
+  for (int place = 0; place < data.entries.count(); place += CodeBlock::kPlaces) {
+    use(PlaceSpan{place, std::min(place + CodeBlock::kPlaces, data.entries.count())});
   }
 }
 
 void computeAllCodes(StageData& data) {
-  forRowDisparities(data, [&](int i, const ColumnSpan&) {
+  forBlocks(data, [&](const PlaceSpan& places) {
     for (int m = 0; m < kMatcherCount; ++m) {
-      CodeLines lines{};
-      MatcherCodeMaps maps{};
-      for (int f = 0; f < kFeaturesPerMatcher; ++f) {
-        lines[f] = data.codes.data() + featureIndex(m, f) * data.width();
-        maps[f] = data.forest->quantizer.maps[featureIndex(m, f)];
-      }
-      computeCodes(data.costs.rows()[m], data.terms[m], data.width(), data.range, i,
-                   kMatcherConstants[m], maps, lines);
+      const int first = featureIndex(m, 0);
+      computeCodes(data.costs.rows()[m], data.terms[m], data.entries, places, kMatcherConstants[m],
+                   &data.forest->quantizer.maps[first], &data.codes.lines[first]);
     }
   });
 }
 
-/// On the same codes for every disparity: the time does not depend on them.
+/// On the same codes for every block: the time does not depend on them.
 void evaluateRow(StageData& data) {
-  forRowDisparities(data, [&](int, const ColumnSpan& span) {
-    std::array<const std::uint8_t*, kFeatureCount> codes{};
-    for (int f = 0; f < kFeatureCount; ++f) {
-      codes[f] = data.codes.data() + f * data.width() + span.begin;
-    }
-    data.evaluator.evaluate(codes, span.end - span.begin, data.row_costs.data() + span.begin);
+  forBlocks(data, [&](const PlaceSpan& places) {
+    data.evaluator.evaluate(data.codes, places.count() * kTileColumns,
+                            &data.row_costs[static_cast<std::size_t>(places.begin) * kTileColumns]);
   });
-}
-
-void addVector(const std::vector<std::uint8_t>& values, Checksum& sum) {
-  sum.add(values.data(), values.size());
 }
 
 template <typename Cost>
 void addRow(const StageData& data, const CostRow<Cost>& costs, Checksum& sum) {
-  forRowDisparities(data, [&](int i, const ColumnSpan& span) {
-    sum.add(costs.line(i) + span.begin, (span.end - span.begin) * sizeof(Cost));
-  });
+  for (int place = 0; place < data.entries.count(); ++place) {
+    const RowEntries::Entry& entry = data.entries.entries()[place];
+    sum.add(costs.entry(place) + entry.begin, (entry.end - entry.begin) * sizeof(Cost));
+  }
 }
 
 void addTerms(const StageData& data, Checksum& sum) {
   for (const RowTerms& terms : data.terms) {
     for (const PixelTerms* view : {&terms.left, &terms.right}) {
-      sum.add(view->log_sum.data(), view->log_sum.size() * sizeof(float));
+      sum.add(view->log_sum.data() + PixelTerms::kBefore, data.width() * sizeof(float));
     }
   }
 }
@@ -163,10 +151,12 @@ StageData::StageData(const Problem& problem)
   ncc.prepare(padded_left, padded_right);
   zero_mean_sad.prepare(padded_left, padded_right);
   sobel_sad.prepare(padded_left, padded_right);
-  all_matchers.computeRow(middleRow(), range, allMatchers(), scratch, costs);
+  SearchSpace row;
+  row.buildExhaustive(1, width(), range);
+  entries.build(row, 0);
+  all_matchers.computeRow(middleRow(), entries, allMatchers(), scratch, costs);
   computeTerms(*this);
-  codes.resize(static_cast<std::size_t>(kFeatureCount) * width());
-  row_costs.resize(width());
+  row_costs.resize(static_cast<std::size_t>(entries.count()) * kTileColumns);
   computeAllCodes(*this);
   builder.build(pair.left, pair.right, range, *forest, evaluator, volume);
   right_volume = volume;
@@ -205,27 +195,29 @@ using Unit = StageUnit;
 std::vector<Stage> rowStages() {
   return {
       {"census", Unit::kRowHypotheses, 0, 45,
-       [](StageData& s) { s.census.computeRow(s.middleRow(), s.range, s.costs.census); },
+       [](StageData& s) {
+         s.census.computeRow(s.middleRow(), s.entries, s.scratch.census, s.costs.census);
+       },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.census, sum); }},
       {"ncc", Unit::kRowHypotheses, 0, 52,
-       [](StageData& s) { s.ncc.computeRow(s.middleRow(), s.range, s.scratch.ncc, s.costs.ncc); },
+       [](StageData& s) { s.ncc.computeRow(s.middleRow(), s.entries, s.scratch.ncc, s.costs.ncc); },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.ncc, sum); }},
       {"zero_mean_sad", Unit::kRowHypotheses, 0, 162,
        [](StageData& s) {
-         s.zero_mean_sad.computeRow(s.middleRow(), s.range, s.scratch.zero_mean_sad,
+         s.zero_mean_sad.computeRow(s.middleRow(), s.entries, s.scratch.zero_mean_sad,
                                     s.costs.zero_mean_sad);
        },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.zero_mean_sad, sum); }},
       {"sobel_sad", Unit::kRowHypotheses, 0, 40,
        [](StageData& s) {
-         s.sobel_sad.computeRow(s.middleRow(), s.range, s.scratch.sobel_sad, s.costs.sobel_sad);
+         s.sobel_sad.computeRow(s.middleRow(), s.entries, s.scratch.sobel_sad, s.costs.sobel_sad);
        },
        [](const StageData& s, Checksum& sum) { addRow(s, s.costs.sobel_sad, sum); }},
       {"confidence_terms", Unit::kRowHypotheses, 0, 640, computeTerms, addTerms},
       {"feature_codes", Unit::kRowHypotheses, 0, 1280, computeAllCodes,
-       [](const StageData& s, Checksum& sum) { addVector(s.codes, sum); }},
+       [](const StageData& s, Checksum& sum) { sum.add(&s.codes, sizeof(s.codes)); }},
       {"forest", Unit::kRowHypotheses, 0, 1024, evaluateRow,
-       [](const StageData& s, Checksum& sum) { addVector(s.row_costs, sum); }}};
+       [](const StageData& s, Checksum& sum) { sum.add(s.row_costs.data(), s.row_costs.size()); }}};
 }
 
 std::vector<Stage> volumeStages() {

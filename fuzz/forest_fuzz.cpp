@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "fuzz_target.h"
@@ -13,17 +14,25 @@
 
 namespace {
 
-constexpr int kHypotheses = 70;
+constexpr int kHypotheses = cbmv::CodeBlock::kHypotheses;
 
-template <typename Value>
-void evaluate(const cbmv::ForestEvaluator& evaluator, Value largest) {
-  std::vector<Value> line(kHypotheses);
-  for (int i = 0; i < kHypotheses; ++i) {
-    line[i] = static_cast<Value>(largest * static_cast<float>(i) / kHypotheses);
-  }
-  std::array<const Value*, cbmv::kFeatureCount> lines{};
-  lines.fill(line.data());
+/// Codes are all that a byte holds, values run from 0 to the largest that features may have.
+void evaluate(const cbmv::ForestEvaluator& evaluator) {
   std::vector<std::uint8_t> costs(kHypotheses);
+  if (!evaluator.wantsValues()) {
+    cbmv::CodeBlock codes{};
+    for (auto& line : codes.lines) {
+      std::iota(line.begin(), line.end(), std::int8_t{-128});
+    }
+    evaluator.evaluate(codes, kHypotheses, costs.data());
+    return;
+  }
+  std::vector<float> line(kHypotheses);
+  for (int i = 0; i < kHypotheses; ++i) {
+    line[i] = 1e30F * static_cast<float>(i) / kHypotheses;
+  }
+  std::array<const float*, cbmv::kFeatureCount> lines{};
+  lines.fill(line.data());
   evaluator.evaluate(lines, kHypotheses, costs.data());
 }
 
@@ -49,11 +58,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   return cbmv::fuzz::attempt([&] {
     const cbmv::Forest forest = cbmv::parseForest(withChecksum(text), "input.forest");
     const cbmv::ForestEvaluator evaluator(forest);
-    if (evaluator.wantsValues()) {
-      evaluate(evaluator, 1e30F);
-    } else {
-      evaluate(evaluator, std::uint8_t{255});
-    }
+    evaluate(evaluator);
     cbmv::forestChecksum(forest);
   });
 }

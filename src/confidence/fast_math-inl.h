@@ -27,13 +27,6 @@ HWY_INLINE V plusTimes(D d, float first, V x, V rest) {
 /// Added to a number from −2²² to 2²², rounds it to a whole one and leaves that in the low bits.
 constexpr float kUnitIsLowestBit = 0x1.8p23F;
 
-template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
-HWY_INLINE hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::RebindToUnsigned<D>> lowBitsOfWhole(
-    D d, V whole) {
-  namespace hn = hwy::HWY_NAMESPACE;
-  return hn::BitCast(hn::RebindToUnsigned<D>(), hn::Add(whole, hn::Set(d, kUnitIsLowestBit)));
-}
-
 /// 2^x for x ≤ 0; below −126 the result is 2^−126.
 template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
 HWY_INLINE V exp2OfNegative(D d, V x) {

@@ -1,5 +1,8 @@
 #include "cbmv_stereo/confidence/features.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <type_traits>
 #include <variant>
@@ -20,34 +23,67 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 
-/// Vector of costs in the unit of the matcher's constants.
+/// Calls f(tag, k, 0) with vectors of all columns of a tile.
+template <class F>
+HWY_INLINE void forTile(const F& f) {
+  for (int k = 0; k < kTileColumns; k += static_cast<int>(hn::Lanes(Floats()))) {
+    f(Floats(), k, 0);
+  }
+}
+
+/// Vector of costs in the unit of the matcher's constants, which is 1 but for some 16-bit costs.
 template <class D, typename Cost>
-HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, float unit) {
+HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, [[maybe_unused]] float unit) {
   if constexpr (std::is_same_v<Cost, float>) {
-    return hn::Mul(hn::LoadU(tag, costs), hn::Set(tag, unit));
+    return hn::LoadU(tag, costs);
   } else {
     const auto narrow = hn::LoadU(hn::Rebind<Cost, D>(), costs);
-    const auto wide = hn::PromoteTo(hn::RebindToSigned<D>(), narrow);
-    return hn::Mul(hn::ConvertTo(tag, wide), hn::Set(tag, unit));
+    const auto wide = hn::ConvertTo(tag, hn::PromoteTo(hn::RebindToSigned<D>(), narrow));
+    return std::is_same_v<Cost, std::uint8_t> ? wide : hn::Mul(wide, hn::Set(tag, unit));
   }
+}
+
+/// Calls f(tag, k, done) with vectors of columns of an entry that cover those inside of both images
+/// and nothing else, as forLanes does.
+template <class F>
+HWY_INLINE void forInside(const RowEntries::Entry& entry, const F& f) {
+  if (entry.isWhole()) {
+    forTile(f);
+  } else {
+    forLanes(Floats(), entry.begin, entry.end, f);
+  }
+}
+
+/// The costs of a row, place by place.
+template <typename Cost>
+struct Costs {
+  const Cost* costs;  ///< of the first place
+  const RowEntries::Entry* entries;
+  int count;
+  MatcherConstants constants;
+};
+
+template <typename Cost>
+Costs<Cost> costsAt(const CostRow<Cost>& costs, const RowEntries& entries, const PlaceSpan& places,
+                    const MatcherConstants& constants) {
+  return {costs.entry(places.begin), entries.entries() + places.begin, places.count(), constants};
 }
 
 /// c_min of both views.
 template <typename Cost>
-void findLowestCosts(const CostRow<Cost>& costs, int width, const DisparityRange& range, float unit,
-                     const RowSpans* spans, RowTerms& terms) {
-  float* left = terms.left.lowest_cost.data();
-  float* right = terms.right.lowest_cost.data();
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    const Cost* line = costs.line(i);
-    forSpans(spans, width, range, i, [=](const ColumnSpan& span) HWY_ATTR {
-      forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-        const auto cost = loadCosts(tag, line + x, unit);
-        hn::StoreU(hn::Min(hn::LoadU(tag, left + x), cost), tag, left + x);
-        hn::StoreU(hn::Min(hn::LoadU(tag, right + x - d), cost), tag, right + x - d);
-      });
+void findLowestCosts(const Costs<Cost>& row, float* left_lowest, float* right_lowest) {
+  const float unit = row.constants.cost_unit;
+  const Cost* costs = row.costs;
+  const RowEntries::Entry* const end = row.entries + row.count;
+  for (const RowEntries::Entry* entry = row.entries; entry != end; ++entry) {
+    float* left = left_lowest + entry->column;
+    float* right = right_lowest + entry->right_column;
+    forInside(*entry, [=](auto tag, int k, int) HWY_ATTR {
+      const auto cost = loadCosts(tag, costs + k, unit);
+      hn::StoreU(hn::Min(hn::LoadU(tag, left + k), cost), tag, left + k);
+      hn::StoreU(hn::Min(hn::LoadU(tag, right + k), cost), tag, right + k);
     });
+    costs += kTileColumns;
   }
 }
 
@@ -69,35 +105,33 @@ HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
   hn::StoreU(after, tag, sums);
 }
 
-/// Σ exp(−(C − c_min)² / 2σ²) of both views, in log_sum.
+/// Σ exp(−(C − c_min)² / 2σ²) of both views.
 template <typename Cost>
-void sumLikelihoods(const CostRow<Cost>& costs, int width, const DisparityRange& range,
-                    const MatcherConstants& constants, const RowSpans* spans, RowTerms& terms) {
-  const float unit = constants.cost_unit;
+void sumLikelihoods(const Costs<Cost>& row, const float* left_lowest, const float* right_lowest,
+                    float* left_sum, float* right_sum) {
+  const float unit = row.constants.cost_unit;
   constexpr float kLog2E = 1.44269504F;
-  const float factor = -kLog2E / constants.two_sigma_squared;
-  const float* left_lowest = terms.left.lowest_cost.data();
-  const float* right_lowest = terms.right.lowest_cost.data();
-  float* left = terms.left.log_sum.data();
-  float* right = terms.right.log_sum.data();
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    const Cost* line = costs.line(i);
-    forSpans(spans, width, range, i, [=](const ColumnSpan& span) HWY_ATTR {
-      forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int done) HWY_ATTR {
-        const auto cost = loadCosts(tag, line + x, unit);
-        addExp2(tag, scaledSquare(tag, cost, left_lowest + x, factor), done, left + x);
-        addExp2(tag, scaledSquare(tag, cost, right_lowest + x - d, factor), done, right + x - d);
-      });
+  const float factor = -kLog2E / row.constants.two_sigma_squared;
+  const Cost* costs = row.costs;
+  const RowEntries::Entry* const end = row.entries + row.count;
+  for (const RowEntries::Entry* entry = row.entries; entry != end; ++entry) {
+    const std::ptrdiff_t left = entry->column;
+    const std::ptrdiff_t right = entry->right_column;
+    forInside(*entry, [=](auto tag, int k, int done) HWY_ATTR {
+      const auto cost = loadCosts(tag, costs + k, unit);
+      addExp2(tag, scaledSquare(tag, cost, left_lowest + left + k, factor), done,
+              left_sum + left + k);
+      addExp2(tag, scaledSquare(tag, cost, right_lowest + right + k, factor), done,
+              right_sum + right + k);
     });
+    costs += kTileColumns;
   }
 }
 
-void takeLogarithms(float epsilon, PixelTerms& terms) {
-  const float* lowest = terms.lowest_cost.data();
-  float* log_lowest = terms.log_lowest_cost.data();
-  float* log_sum = terms.log_sum.data();
-  const int width = static_cast<int>(terms.lowest_cost.size());
+void takeLogarithms(int width, float epsilon, PixelTerms& terms) {
+  const float* lowest = terms.lowest_cost.data() + PixelTerms::kBefore;
+  float* log_lowest = terms.log_lowest_cost.data() + PixelTerms::kBefore;
+  float* log_sum = terms.log_sum.data() + PixelTerms::kBefore;
   forLanes(Floats(), 0, width, [=](auto tag, int x, int done) HWY_ATTR {
     const auto shifted = hn::Add(hn::LoadU(tag, lowest + x), hn::Set(tag, epsilon));
     hn::StoreU(logOfPositive(tag, shifted), tag, log_lowest + x);
@@ -107,143 +141,163 @@ void takeLogarithms(float epsilon, PixelTerms& terms) {
   });
 }
 
-void fillTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-               const MatcherConstants& constants, const RowSpans* spans, RowTerms& terms) {
+void fillTerms(const CostRowPointer& costs, const RowEntries& entries, int width,
+               const MatcherConstants& constants, RowTerms& terms) {
+  float* left_lowest = terms.left.lowest_cost.data() + PixelTerms::kBefore;
+  float* right_lowest = terms.right.lowest_cost.data() + PixelTerms::kBefore;
   std::visit(
-      [&](const auto* row) HWY_ATTR {
-        findLowestCosts(*row, width, range, constants.cost_unit, spans, terms);
-        sumLikelihoods(*row, width, range, constants, spans, terms);
+      [&](const auto* costs_of_row) HWY_ATTR {
+        const auto row = costsAt(*costs_of_row, entries, {0, entries.count()}, constants);
+        findLowestCosts(row, left_lowest, right_lowest);
+        sumLikelihoods(row, left_lowest, right_lowest,
+                       terms.left.log_sum.data() + PixelTerms::kBefore,
+                       terms.right.log_sum.data() + PixelTerms::kBefore);
       },
       costs);
-  takeLogarithms(constants.epsilon, terms.left);
-  takeLogarithms(constants.epsilon, terms.right);
+  takeLogarithms(width, constants.epsilon, terms.left);
+  takeLogarithms(width, constants.epsilon, terms.right);
 }
 
-/// The terms of the pixels of one view that a line's hypotheses match.
-struct TermLines {
-  const float* lowest_cost;
-  const float* log_lowest_cost;
-  const float* log_sum;
+/// Calls f(tag, i) with vectors of all hypotheses of `count` places, i of which stand before.
+template <class F>
+HWY_INLINE void forHypotheses(int count, const F& f) {
+  const int lanes = static_cast<int>(hn::Lanes(Floats()));
+  for (int i = 0; i < count * kTileColumns; i += lanes) {
+    f(Floats(), i);
+  }
+}
 
-  TermLines(const PixelTerms& terms, int shift)
-      : lowest_cost(terms.lowest_cost.data() - shift),
-        log_lowest_cost(terms.log_lowest_cost.data() - shift),
-        log_sum(terms.log_sum.data() - shift) {}
-};
+/// Calls f(tag, i, left, right) with vectors of all hypotheses, i of which stand before, and the
+/// numbers of the pixels that they match.
+template <typename Cost, class F>
+HWY_INLINE void forMatches(const Costs<Cost>& block, const F& f) {
+  const RowEntries::Entry* entries = block.entries;
+  const int count = block.count;
+  for (int p = 0; p < count; ++p) {
+    const std::ptrdiff_t left = PixelTerms::kBefore + entries[p].column;
+    const std::ptrdiff_t right = PixelTerms::kBefore + entries[p].right_column;
+    forTile([=](auto tag, int k, int)
+                HWY_ATTR { f(tag, p * kTileColumns + k, left + k, right + k); });
+  }
+}
 
-/// What the features of one matcher at one disparity are computed from.
-template <typename Cost>
-struct FeatureInput {
-  const Cost* costs;
-  TermLines left;
-  TermLines right;
-  MatcherConstants constants;
-};
-
-/// Columns of a block, at most twice as many: short enough for the first-level cache.
-constexpr int kBlock = 256;
-
-/// Passes vectors of kCost and keeps log(C + ε), from log_costs on.
+/// Passes vectors of kCost and keeps log(C + ε).
 template <typename Cost, class Sink>
-HWY_INLINE void passCosts(const FeatureInput<Cost>& input, const ColumnSpan& block,
-                          float* log_costs, const Sink& sink) {
-  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
-    const MatcherConstants& c = input.constants;
-    const auto cost = loadCosts(tag, input.costs + x, c.cost_unit);
+HWY_INLINE void passCosts(const Costs<Cost>& block, float* log_costs, const Sink& sink) {
+  const MatcherConstants c = block.constants;
+  const Cost* costs = block.costs;
+  forHypotheses(block.count, [=](auto tag, int i) HWY_ATTR {
+    const auto cost = loadCosts(tag, costs + i, c.cost_unit);
     const auto log_cost = logOfPositive(tag, hn::Add(cost, hn::Set(tag, c.epsilon)));
-    hn::StoreU(log_cost, tag, log_costs + (x - block.begin));
+    hn::Store(log_cost, tag, log_costs + i);
     if (c.logarithmic_cost) {
-      sink(tag, kCost, x, log_cost);
+      sink(tag, kCost, i, log_cost);
     } else {
-      sink(tag, kCost, x, cost);
+      sink(tag, kCost, i, cost);
     }
   });
 }
 
 template <typename Cost, class Sink>
-HWY_INLINE void passRatios(const FeatureInput<Cost>& input, const ColumnSpan& block,
-                           const float* log_costs, const Sink& sink) {
-  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
-    const auto log_cost = hn::LoadU(tag, log_costs + (x - block.begin));
-    const auto left = hn::Sub(hn::LoadU(tag, input.left.log_lowest_cost + x), log_cost);
-    const auto right = hn::Sub(hn::LoadU(tag, input.right.log_lowest_cost + x), log_cost);
-    sink(tag, kRatioLow, x, hn::Min(left, right));
-    sink(tag, kRatioHigh, x, hn::Max(left, right));
+HWY_INLINE void passRatios(const Costs<Cost>& block, const RowTerms& terms, const float* log_costs,
+                           const Sink& sink) {
+  const float* left_terms = terms.left.log_lowest_cost.data();
+  const float* right_terms = terms.right.log_lowest_cost.data();
+  forMatches(block, [=](auto tag, int i, std::ptrdiff_t left_x, std::ptrdiff_t right_x) HWY_ATTR {
+    const auto log_cost = hn::Load(tag, log_costs + i);
+    const auto left = hn::Sub(hn::LoadU(tag, left_terms + left_x), log_cost);
+    const auto right = hn::Sub(hn::LoadU(tag, right_terms + right_x), log_cost);
+    sink(tag, kRatioLow, i, hn::Min(left, right));
+    sink(tag, kRatioHigh, i, hn::Max(left, right));
   });
 }
 
 template <typename Cost, class Sink>
-HWY_INLINE void passLikelihoods(const FeatureInput<Cost>& input, const ColumnSpan& block,
-                                const Sink& sink) {
-  const float factor = -1.0F / input.constants.two_sigma_squared;
-  const auto likelihood = [factor](auto tag, auto cost, const TermLines& terms, int x) HWY_ATTR {
-    return hn::Sub(scaledSquare(tag, cost, terms.lowest_cost + x, factor),
-                   hn::LoadU(tag, terms.log_sum + x));
-  };
-  forLanes(Floats(), block.begin, block.end, [=](auto tag, int x, int) HWY_ATTR {
-    const auto cost = loadCosts(tag, input.costs + x, input.constants.cost_unit);
-    const auto left = likelihood(tag, cost, input.left, x);
-    const auto right = likelihood(tag, cost, input.right, x);
-    sink(tag, kLikelihoodLow, x, hn::Min(left, right));
-    sink(tag, kLikelihoodHigh, x, hn::Max(left, right));
+HWY_INLINE void passLikelihoods(const Costs<Cost>& block, const RowTerms& terms, const Sink& sink) {
+  const float unit = block.constants.cost_unit;
+  const float factor = -1.0F / block.constants.two_sigma_squared;
+  const Cost* costs = block.costs;
+  const float* left_lowest = terms.left.lowest_cost.data();
+  const float* right_lowest = terms.right.lowest_cost.data();
+  const float* left_log_sum = terms.left.log_sum.data();
+  const float* right_log_sum = terms.right.log_sum.data();
+  forMatches(block, [=](auto tag, int i, std::ptrdiff_t left_x, std::ptrdiff_t right_x) HWY_ATTR {
+    const auto cost = loadCosts(tag, costs + i, unit);
+    const auto left = hn::Sub(scaledSquare(tag, cost, left_lowest + left_x, factor),
+                              hn::LoadU(tag, left_log_sum + left_x));
+    const auto right = hn::Sub(scaledSquare(tag, cost, right_lowest + right_x, factor),
+                               hn::LoadU(tag, right_log_sum + right_x));
+    sink(tag, kLikelihoodLow, i, hn::Min(left, right));
+    sink(tag, kLikelihoodHigh, i, hn::Max(left, right));
   });
 }
 
-/// Passes vectors of features to `sink(tag, feature, x, values)`. One short loop a kind of feature:
-/// in a long one, each vector waits for a long chain of instructions, and too few vectors are under
-/// way at once.
-template <typename Cost, class Sink>
-void forFeatures(const CostRow<Cost>& costs, const RowTerms& terms, const ColumnSpan& span,
-                 const DisparityRange& range, int i, const MatcherConstants& constants,
-                 const Sink& sink) {
-  const int d = range.min + i;
-  const FeatureInput<Cost> input{costs.line(i), TermLines(terms.left, 0), TermLines(terms.right, d),
-                                 constants};
-  HWY_ALIGN float log_costs[2 * kBlock];
-  int end = span.begin;
-  while (end < span.end) {
-    const int begin = end;
-    end = span.end - begin > 2 * kBlock ? begin + kBlock : span.end;
-    const ColumnSpan block{begin, end};
-    passCosts(input, block, log_costs, sink);
-    passRatios(input, block, log_costs, sink);
-    passLikelihoods(input, block, sink);
+/// Passes vectors of features of at most CodeBlock::kPlaces places to `sink(tag, feature, i,
+/// values)`; i hypotheses stand before them. One short loop a kind of feature: in a long one, each
+/// vector waits for a long chain of instructions, and too few vectors are under way at once.
+template <class Sink>
+HWY_INLINE void forFeatures(const CostRowPointer& costs, const RowTerms& terms,
+                            const RowEntries& entries, const PlaceSpan& places,
+                            const MatcherConstants& constants, const Sink& sink) {
+  HWY_ALIGN float log_costs[CodeBlock::kHypotheses];
+  std::visit(
+      [&](const auto* row) HWY_ATTR {
+        const auto block = costsAt(*row, entries, places, constants);
+        passCosts(block, log_costs, sink);
+        passRatios(block, terms, log_costs, sink);
+        passLikelihoods(block, terms, sink);
+      },
+      costs);
+}
+
+void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                   const PlaceSpan& places, const MatcherConstants& constants,
+                   const FeatureLines& values) {
+  for (int place = places.begin; place < places.end; place += CodeBlock::kPlaces) {
+    const PlaceSpan block{place, std::min(place + CodeBlock::kPlaces, places.end)};
+    const int before = (place - places.begin) * kTileColumns;
+    const auto store = [lines = values, before](auto tag, int feature, int i, auto value)
+                           HWY_ATTR { hn::StoreU(value, tag, lines[feature] + before + i); };
+    forFeatures(costs, terms, entries, block, constants, store);
   }
 }
 
-void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
-                   const DisparityRange& range, int i, const MatcherConstants& constants,
-                   const FeatureLines& values) {
-  const auto store = [lines = values](auto tag, int feature, int x, auto value)
-                         HWY_ATTR { hn::StoreU(value, tag, lines[feature] + x); };
-  std::visit([&](const auto* row)
-                 HWY_ATTR { forFeatures(*row, terms, span, range, i, constants, store); },
-             costs);
-}
-
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void storeCodes(D tag, V values, float scale, float offset, std::uint8_t* codes) {
-  const V code = hn::Add(hn::Mul(hn::Set(tag, scale), values), hn::Set(tag, offset));
-  const V cut = hn::Min(hn::Max(code, hn::Zero(tag)), hn::Set(tag, 255.0F));
+/// Stores the codes of values, plus kShift (0 or 128) modulo 256.
+template <unsigned kShift, class D, class V = hn::Vec<D>>
+HWY_INLINE void storeCodes(D tag, V values, const CodeMap& map, std::uint8_t* codes) {
+  const V code = hn::Add(hn::Mul(hn::Set(tag, map.scale), values), hn::Set(tag, map.offset));
+  const V positive = hn::Max(code, hn::Zero(tag));
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  if constexpr (hn::MaxLanes(tag) == 16) {
+    const __m512i whole = _mm512_cvttps_epi32(positive.raw);  // 2³¹ where it does not fit
+    const __m128i bytes = _mm512_cvtusepi32_epi8(whole);      // cut to 255
+    const __m128i shift = _mm_set1_epi8(static_cast<char>(kShift));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(codes), _mm_xor_si128(bytes, shift));
+    return;
+  }
+#endif
+  const V cut = hn::Min(positive, hn::Set(tag, 255.0F));
   const hn::RebindToUnsigned<D> integer;
-  const auto low_byte = hn::And(lowBitsOfWhole(tag, hn::Trunc(cut)), hn::Set(integer, 0xffU));
+  const auto shifted = hn::Add(hn::Trunc(cut), hn::Set(tag, kUnitIsLowestBit + kShift));
+  const auto low_byte = hn::And(hn::BitCast(integer, shifted), hn::Set(integer, 0xffU));
   hn::StoreU(hn::U8FromU32(low_byte), hn::Rebind<std::uint8_t, D>(), codes);
 }
 
-void writeCodes(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
-                const DisparityRange& range, int i, const MatcherConstants& constants,
-                const MatcherCodeMaps& maps, const CodeLines& codes) {
-  const auto store = [maps, codes](auto tag, int feature, int x, auto value) HWY_ATTR {
-    storeCodes(tag, value, maps[feature].scale, maps[feature].offset, codes[feature] + x);
+void writeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                const PlaceSpan& places, const MatcherConstants& constants, const CodeMap* maps,
+                CodeBlock::Line* lines) {
+  std::array<CodeMap, kFeaturesPerMatcher> own_maps{};
+  std::copy_n(maps, kFeaturesPerMatcher, own_maps.begin());
+  auto* codes = reinterpret_cast<std::uint8_t*>(lines->data());
+  const auto store = [maps = own_maps, codes](auto tag, int feature, int i, auto value) HWY_ATTR {
+    storeCodes<128>(tag, value, maps[feature], codes + feature * CodeBlock::kHypotheses + i);
   };
-  std::visit([&](const auto* row)
-                 HWY_ATTR { forFeatures(*row, terms, span, range, i, constants, store); },
-             costs);
+  forFeatures(costs, terms, entries, places, constants, store);
 }
 
 void quantizeValues(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
   forLanes(Floats(), 0, count, [=](auto tag, int x, int) HWY_ATTR {
-    storeCodes(tag, hn::LoadU(tag, values + x), map.scale, map.offset, codes + x);
+    storeCodes<0>(tag, hn::LoadU(tag, values + x), map, codes + x);
   });
 }
 
@@ -261,51 +315,42 @@ HWY_EXPORT(writeFeatures);
 HWY_EXPORT(writeCodes);
 HWY_EXPORT(quantizeValues);
 
-void resizeTerms(PixelTerms& terms, int width) {
-  terms.lowest_cost.assign(width, std::numeric_limits<float>::max());
-  terms.log_lowest_cost.resize(width);
-  terms.log_sum.assign(width, 0.0F);
+/// Numbers of the columns of an image that is `width` wide and of all entries that reach into it.
+std::size_t termsOfRow(int width) {
+  return static_cast<std::size_t>(PixelTerms::kBefore) + width + kTileColumns;
 }
 
 }  // namespace
 
 void PixelTerms::reserve(int width) {
-  for (std::vector<float>* terms : {&lowest_cost, &log_lowest_cost, &log_sum}) {
-    terms->reserve(width);
+  for (Line* line : {&lowest_cost, &log_lowest_cost, &log_sum}) {
+    line->reserve(termsOfRow(width));
   }
 }
 
-void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-                     const MatcherConstants& constants, RowTerms& terms, const RowSpans* spans) {
-  resizeTerms(terms.left, width);
-  resizeTerms(terms.right, width);
-  HWY_DYNAMIC_DISPATCH(fillTerms)(costs, width, range, constants, spans, terms);
+void PixelTerms::reset(int width) {
+  lowest_cost.assign(termsOfRow(width), std::numeric_limits<float>::max());
+  log_lowest_cost.resize(termsOfRow(width));
+  log_sum.assign(termsOfRow(width), 0.0F);
 }
 
-void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
-                     const DisparityRange& range, int i, const MatcherConstants& constants,
+void computeRowTerms(const CostRowPointer& costs, const RowEntries& entries, int width,
+                     const MatcherConstants& constants, RowTerms& terms) {
+  terms.left.reset(width);
+  terms.right.reset(width);
+  HWY_DYNAMIC_DISPATCH(fillTerms)(costs, entries, width, constants, terms);
+}
+
+void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                     const PlaceSpan& places, const MatcherConstants& constants,
                      const FeatureLines& values) {
-  computeFeaturesInSpan(costs, terms, matchedColumns(width, range.min + i), range, i, constants,
-                        values);
+  HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, entries, places, constants, values);
 }
 
-void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
-                  const DisparityRange& range, int i, const MatcherConstants& constants,
-                  const MatcherCodeMaps& maps, const CodeLines& codes) {
-  computeCodesInSpan(costs, terms, matchedColumns(width, range.min + i), range, i, constants, maps,
-                     codes);
-}
-
-void computeFeaturesInSpan(const CostRowPointer& costs, const RowTerms& terms,
-                           const ColumnSpan& span, const DisparityRange& range, int i,
-                           const MatcherConstants& constants, const FeatureLines& values) {
-  HWY_DYNAMIC_DISPATCH(writeFeatures)(costs, terms, span, range, i, constants, values);
-}
-
-void computeCodesInSpan(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
-                        const DisparityRange& range, int i, const MatcherConstants& constants,
-                        const MatcherCodeMaps& maps, const CodeLines& codes) {
-  HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, span, range, i, constants, maps, codes);
+void computeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                  const PlaceSpan& places, const MatcherConstants& constants, const CodeMap* maps,
+                  CodeBlock::Line* lines) {
+  HWY_DYNAMIC_DISPATCH(writeCodes)(costs, terms, entries, places, constants, maps, lines);
 }
 
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {

@@ -11,56 +11,47 @@ void RowFeatures::forUsedMatchers(const Use& use) const {
   }
 }
 
-void RowFeatures::reserve(int width, const DisparityRange& range, const MatcherSelection& used,
-                          bool wants_codes) {
-  width_ = width;
+void RowFeatures::reserve(int width, std::size_t entries, const MatcherSelection& used,
+                          bool wants_values) {
   used_ = used;
   scratch_.resize(width);
-  costs_.resize(width, range.count, used);
+  costs_.resize(entries, used);
   forUsedMatchers([&](int m) {
     terms_[m].left.reserve(width);
     terms_[m].right.reserve(width);
   });
-  if (wants_codes) {
-    codes_.resize(lineOffset(kFeatureCount));
-  } else {
-    values_.resize(lineOffset(kFeatureCount));
+  if (wants_values) {
+    values_.reserve(static_cast<std::size_t>(kFeatureCount) * CodeBlock::kHypotheses);
   }
 }
 
 void RowFeatures::prepareRow(const MatcherSet& matchers, int y, int width,
-                             const DisparityRange& range, const MatcherSelection& used) {
-  width_ = width;
-  range_ = range;
+                             const RowEntries& entries, const MatcherSelection& used) {
+  entries_ = &entries;
   used_ = used;
-  matchers.computeRow(y, range, used, scratch_, costs_);
+  matchers.computeRow(y, entries, used, scratch_, costs_);
   forUsedMatchers([&](int m) {
-    computeRowTerms(costs_.rows()[m], width, range, kMatcherConstants[m], terms_[m]);
+    computeRowTerms(costs_.rows()[m], entries, width, kMatcherConstants[m], terms_[m]);
   });
 }
 
-void RowFeatures::compute(int i) {
-  values_.resize(lineOffset(kFeatureCount));
+void RowFeatures::compute(const PlaceSpan& places) {
+  pitch_ = static_cast<std::size_t>(places.count()) * kTileColumns;
+  values_.resize(kFeatureCount * pitch_);
   forUsedMatchers([&](int m) {
     FeatureLines lines{};
     for (int f = 0; f < kFeaturesPerMatcher; ++f) {
-      lines[f] = values_.data() + lineOffset(featureIndex(m, f));
+      lines[f] = values_.data() + featureIndex(m, f) * pitch_;
     }
-    computeFeatures(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], lines);
+    computeFeatures(costs_.rows()[m], terms_[m], *entries_, places, kMatcherConstants[m], lines);
   });
 }
 
-void RowFeatures::computeCodes(int i, const FeatureQuantizer& quantizer) {
-  codes_.resize(lineOffset(kFeatureCount));
+void RowFeatures::computeCodes(const PlaceSpan& places, const FeatureQuantizer& quantizer) {
   forUsedMatchers([&](int m) {
-    CodeLines lines{};
-    MatcherCodeMaps maps{};
-    for (int f = 0; f < kFeaturesPerMatcher; ++f) {
-      lines[f] = codes_.data() + lineOffset(featureIndex(m, f));
-      maps[f] = quantizer.maps[featureIndex(m, f)];
-    }
-    cbmv::computeCodes(costs_.rows()[m], terms_[m], width_, range_, i, kMatcherConstants[m], maps,
-                       lines);
+    const int first = featureIndex(m, 0);
+    cbmv::computeCodes(costs_.rows()[m], terms_[m], *entries_, places, kMatcherConstants[m],
+                       &quantizer.maps[first], &codes_.lines[first]);
   });
 }
 

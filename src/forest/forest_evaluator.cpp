@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forest/forest_evaluator.cpp"
@@ -20,23 +21,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
-constexpr int kBlock = PackedTree::kBlock;
-struct Block {
-  /// Minus 128 and signed: such bytes compare fastest.
-  alignas(64) std::uint8_t codes[kFeatureCount][kBlock];
-  alignas(64) std::uint16_t sums[kBlock];
-};
-
 /// Answers of one level, for the hypotheses at `codes` (of feature 0) and behind.
-HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::uint8_t* codes) {
+HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::int8_t* codes) {
   const hn::RebindToSigned<Bytes> signed_bytes;
-  const auto code = hn::BitCast(signed_bytes, hn::Load(Bytes(), codes + tree.lines[level]));
+  const auto code = hn::Load(signed_bytes, codes + tree.lines[level]);
   return hn::RebindMask(Bytes(), hn::Lt(code, hn::Set(signed_bytes, tree.thresholds[level])));
 }
 
 /// Bits 0 … kLevels − 1 of the leaf's number.
 template <int kLevels>
-HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::uint8_t* codes) {
+HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::int8_t* codes) {
   const auto bit = hn::Set(Bytes(), 1U << (kLevels - 1));
   const auto is_below = isBelow(tree, kLevels - 1, codes);
   if constexpr (kLevels == 1) {
@@ -60,7 +54,7 @@ HWY_INLINE ByteVector lookUp128(const std::uint8_t* leaves, ByteVector number) {
 
 /// Leaf that each hypothesis falls into.
 template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
   const std::uint8_t* leaves = tree.leaves.data();
   if constexpr (kDepth <= 6) {
     const ByteVector number = leafNumber<kDepth>(tree, codes);
@@ -80,7 +74,7 @@ HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes
 
 /// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
 template <int kLevels>
-HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::uint8_t* codes,
+HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
                                  ByteVector low_bits, const std::uint8_t* leaves) {
   if constexpr (kLevels == 4) {
     return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);
@@ -94,13 +88,13 @@ HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::uint8_t* cod
 
 /// Leaf that each hypothesis falls into.
 template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
   return selectLeaf<kDepth>(tree, codes, leafNumber<4>(tree, codes), tree.leaves.data());
 }
 
 #endif
 
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::uint8_t* codes) {
+HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
   switch (tree.depth) {
     case 4:
       return findLeaf<4>(tree, codes);
@@ -129,56 +123,60 @@ HWY_INLINE void storeSums(SumVector pairs, SumVector odd, std::uint16_t* sums) {
   hn::StoreInterleaved2(hn::Sub(pairs, hn::ShiftLeft<8>(odd)), odd, Sums(), sums);
 }
 
-/// Sums of the leaves of all hypotheses of the block, two vectors at a time.
-void sumLeaves(const PackedTree* trees, std::size_t tree_count, int hypotheses, Block& block) {
+/// Sums of the leaves of the first `count` hypotheses, two vectors at a time.
+void sumLeaves(const PackedTree* trees, std::size_t tree_count, const std::int8_t* codes, int count,
+               std::uint16_t* sums) {
   const int lanes = static_cast<int>(hn::Lanes(Bytes()));
-  for (int first = 0; first < hypotheses; first += 2 * lanes) {
-    const std::uint8_t* codes = block.codes[0] + first;
+  for (int first = 0; first < count; first += 2 * lanes) {
     SumVector pairs0 = hn::Zero(Sums());
     SumVector pairs1 = pairs0;
     SumVector odd0 = pairs0;
     SumVector odd1 = pairs0;
     for (std::size_t t = 0; t < tree_count; ++t) {
-      addLeaf(findLeaf(trees[t], codes), pairs0, odd0);
-      addLeaf(findLeaf(trees[t], codes + lanes), pairs1, odd1);
+      addLeaf(findLeaf(trees[t], codes + first), pairs0, odd0);
+      addLeaf(findLeaf(trees[t], codes + first + lanes), pairs1, odd1);
     }
-    storeSums(pairs0, odd0, block.sums + first);
-    storeSums(pairs1, odd1, block.sums + first + lanes);
-  }
-}
-
-void loadCodes(const std::array<const std::uint8_t*, kFeatureCount>& codes, int first, int count,
-               Block& block) {
-  for (int f = 0; f < kFeatureCount; ++f) {
-    const std::uint8_t* from = codes[f] + first;
-    std::uint8_t* to = block.codes[f];
-    forLanes(Bytes(), 0, count, [=](auto tag, int i, int) HWY_ATTR {
-      hn::StoreU(hn::Xor(hn::LoadU(tag, from + i), hn::Set(tag, 0x80)), tag, to + i);
-    });
+    storeSums(pairs0, odd0, sums + first);
+    storeSums(pairs1, odd1, sums + first + lanes);
   }
 }
 
 /// As many trees as have a sum of leaves that surely fits 16 bits.
 constexpr std::size_t kTreesPerSum = 0xffff / 0xff;
 
-void evaluateForest(const std::vector<PackedTree>& trees, const std::uint8_t* cost_of_sum,
-                    const std::array<const std::uint8_t*, kFeatureCount>& codes, int count,
-                    std::uint8_t* costs) {
-  Block block{};
-  for (int first = 0; first < count; first += kBlock) {
-    const int hypotheses = std::min(kBlock, count - first);
-    loadCodes(codes, first, hypotheses, block);
-    std::array<std::uint32_t, kBlock> sums{};
-    for (std::size_t t = 0; t < trees.size(); t += kTreesPerSum) {
-      sumLeaves(&trees[t], std::min(kTreesPerSum, trees.size() - t), hypotheses, block);
-      for (int i = 0; i < hypotheses; ++i) {
-        sums[i] += block.sums[i];
-      }
+template <typename Sum>
+void lookUpCosts(const std::uint8_t* cost_of_sum, const Sum* sums, int count, std::uint8_t* costs) {
+  int i = 0;
+  for (; i + 8 <= count; i += 8) {
+    std::uint64_t eight = 0;
+#pragma GCC unroll 8
+    for (int k = 0; k < 8; ++k) {
+      eight |= static_cast<std::uint64_t>(cost_of_sum[sums[i + k]]) << (8 * k);
     }
-    for (int i = 0; i < hypotheses; ++i) {
-      costs[first + i] = cost_of_sum[sums[i]];
+    std::memcpy(costs + i, &eight, 8);
+  }
+  for (; i < count; ++i) {
+    costs[i] = cost_of_sum[sums[i]];
+  }
+}
+
+void evaluateForest(const std::vector<PackedTree>& trees, const std::uint8_t* cost_of_sum,
+                    const CodeBlock& block, int count, std::uint8_t* costs) {
+  const std::int8_t* codes = block.lines[0].data();
+  HWY_ALIGN std::uint16_t sums[CodeBlock::kHypotheses];
+  if (trees.size() <= kTreesPerSum) {
+    sumLeaves(trees.data(), trees.size(), codes, count, sums);
+    lookUpCosts(cost_of_sum, sums, count, costs);
+    return;
+  }
+  std::array<std::uint32_t, CodeBlock::kHypotheses> all_sums{};
+  for (std::size_t t = 0; t < trees.size(); t += kTreesPerSum) {
+    sumLeaves(&trees[t], std::min(kTreesPerSum, trees.size() - t), codes, count, sums);
+    for (int i = 0; i < count; ++i) {
+      all_sums[i] += sums[i];
     }
   }
+  lookUpCosts(cost_of_sum, all_sums.data(), count, costs);
 }
 
 }  // namespace
@@ -199,7 +197,7 @@ PackedTree packTree(const ObliviousTree& tree) {
   packed.thresholds.fill(-128);
   for (int level = 0; level < depth; ++level) {
     packed.lines[level] =
-        static_cast<std::uint32_t>(tree.levels[level].feature) * PackedTree::kBlock;
+        static_cast<std::uint32_t>(tree.levels[level].feature) * CodeBlock::kHypotheses;
     packed.thresholds[level] = static_cast<std::int8_t>(tree.levels[level].threshold - 128);
   }
   const std::int8_t lowest = *std::min_element(tree.leaves.begin(), tree.leaves.end());
@@ -228,8 +226,7 @@ ForestEvaluator::ForestEvaluator(const Forest& forest) : walker_(forest) {
   }
 }
 
-void ForestEvaluator::evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes,
-                               int count, std::uint8_t* costs) const {
+void ForestEvaluator::evaluate(const CodeBlock& codes, int count, std::uint8_t* costs) const {
   HWY_DYNAMIC_DISPATCH(evaluateForest)(trees_, cost_of_sum_.data(), codes, count, costs);
 }
 

@@ -1,5 +1,7 @@
 #include "cbmv_stereo/matching/census.h"
 
+#include <cstddef>
+
 #include "cbmv_stereo/matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,19 +19,24 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
-/// Hamming distances of the columns `span` of the left image and those d further left in the right
-/// one. Byte k of a column lies `stride` behind byte k − 1.
-void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int stride, int d,
-                      const ColumnSpan& span, std::uint8_t* line) {
-  forLanes(Bytes(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
-    auto distance = hn::Zero(tag);
-    for (int k = 0; k < CensusMatcher::kBytes; ++k) {
-      const auto difference = hn::Xor(hn::LoadU(tag, left + k * stride + x),
-                                      hn::LoadU(tag, right + k * stride + x - d));
-      distance = hn::Add(distance, hn::PopulationCount(difference));
+/// Hamming distances of all hypotheses. Byte k of a column lies `width` behind byte k − 1. The last vector of a run reaches beyond it, into places
+/// that come later.
+void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int width,
+                      const RowEntries& entries, std::uint8_t* costs) {
+  const Bytes tag;
+  for (const RowEntries::Run& run : entries.runs()) {
+    const std::uint8_t* match = right - run.d;
+    std::uint8_t* line = costs + run.offset;
+    for (int x = run.span.begin; x < run.span.end; x += static_cast<int>(hn::Lanes(tag))) {
+      auto distance = hn::Zero(tag);
+      for (int k = 0; k < CensusMatcher::kBytes; ++k) {
+        const auto difference =
+            hn::Xor(hn::LoadU(tag, left + k * width + x), hn::LoadU(tag, match + k * width + x));
+        distance = hn::Add(distance, hn::PopulationCount(difference));
+      }
+      hn::StoreU(distance, tag, line + x);
     }
-    hn::StoreU(distance, tag, line + x);
-  });
+  }
 }
 
 }  // namespace
@@ -45,23 +52,26 @@ HWY_EXPORT(hammingDistances);
 
 }  // namespace
 
-void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
-  const cv::Size window(kWindowPx, kWindowPx);
-  width_ = padded_left.cols - 2 * kMatchingBorderPx;
-  left_.compute(padded_left, window);
-  right_.compute(padded_right, window);
+void CensusMatcher::Scratch::resize(int width) {
+  const std::size_t size = static_cast<std::size_t>(width) * kBytes + kReadableBytesBeyond;
+  left.resize(size);
+  right.resize(size);
 }
 
-void CensusMatcher::computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs,
-                               const RowSpans* spans) const {
-  costs.resize(width_, range.count);
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    forSpans(spans, width_, range, i, [&](const ColumnSpan& span) {
-      HWY_DYNAMIC_DISPATCH(hammingDistances)
-      (left_.row(y), right_.row(y), width_, d, span, costs.line(i));
-    });
-  }
+void CensusMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
+  const cv::Size window(kWindowPx, kWindowPx);
+  left_.prepare(padded_left, window);
+  right_.prepare(padded_right, window);
+}
+
+void CensusMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                               CostRow<std::uint8_t>& costs) const {
+  costs.resize(entries.count());
+  scratch.resize(left_.width());
+  left_.computeRow(y, scratch.left.data());
+  right_.computeRow(y, scratch.right.data());
+  HWY_DYNAMIC_DISPATCH(hammingDistances)
+  (scratch.left.data(), scratch.right.data(), left_.width(), entries, costs.entry(0));
 }
 
 }  // namespace cbmv

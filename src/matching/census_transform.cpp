@@ -1,8 +1,6 @@
 #include "cbmv_stereo/matching/census_transform.h"
 
-#include <algorithm>
-
-#include <tbb/parallel_for.h>
+#include <cstddef>
 
 #include "cbmv_stereo/matching/padded_image.h"
 
@@ -23,8 +21,8 @@ using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
 /// `bits[x]`: which of the `count` ≤ 8 neighbours at the given distances in memory are darker than
 /// the pixel itself.
-void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances, int count,
-                       int width, std::uint8_t* bits) {
+HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances,
+                                  int count, int width, std::uint8_t* bits) {
   forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
     const auto centre = hn::LoadU(tag, pixels + x);
     auto darker = hn::Zero(tag);
@@ -37,6 +35,18 @@ void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distanc
   });
 }
 
+void transformRow(const std::uint8_t* pixels, const std::vector<std::ptrdiff_t>& distances,
+                  int width, std::uint8_t* bits) {
+  std::size_t first = 0;
+  for (; first + 8 <= distances.size(); first += 8, bits += width) {
+    compareNeighbours(pixels, &distances[first], 8, width, bits);
+  }
+  if (first < distances.size()) {
+    compareNeighbours(pixels, &distances[first], static_cast<int>(distances.size() - first), width,
+                      bits);
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace cbmv
@@ -46,7 +56,7 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(compareNeighbours);
+HWY_EXPORT(transformRow);
 
 /// From a pixel to its neighbours in memory, in raster order.
 void findNeighbours(cv::Size window, std::ptrdiff_t stride,
@@ -63,21 +73,15 @@ void findNeighbours(cv::Size window, std::ptrdiff_t stride,
 
 }  // namespace
 
-void CensusTransform::compute(const cv::Mat& padded, cv::Size window) {
-  findNeighbours(window, static_cast<std::ptrdiff_t>(padded.step1()), neighbour_distances_);
-  const int neighbours = static_cast<int>(neighbour_distances_.size());
-  const int height = padded.rows - 2 * kMatchingBorderPx;
+void CensusTransform::prepare(const cv::Mat& padded, cv::Size window) {
+  padded_ = padded;
   width_ = padded.cols - 2 * kMatchingBorderPx;
-  bytes_ = (neighbours + 7) / 8;
-  bits_.resize(static_cast<std::size_t>(height) * bytes_ * width_);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int k = 0; k < bytes_; ++k) {
-      HWY_DYNAMIC_DISPATCH(compareNeighbours)
-      (paddedRow<std::uint8_t>(padded, y), &neighbour_distances_[8 * k],
-       std::min(8, neighbours - 8 * k), width_,
-       bits_.data() + (static_cast<std::size_t>(y) * bytes_ + k) * width_);
-    }
-  });
+  findNeighbours(window, static_cast<std::ptrdiff_t>(padded.step1()), neighbour_distances_);
+}
+
+void CensusTransform::computeRow(int y, std::uint8_t* bits) const {
+  HWY_DYNAMIC_DISPATCH(transformRow)
+  (paddedRow<std::uint8_t>(padded_, y), neighbour_distances_, width_, bits);
 }
 
 }  // namespace cbmv

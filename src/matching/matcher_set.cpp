@@ -4,22 +4,23 @@
 
 namespace cbmv {
 
-void MatcherCosts::resize(int width, int disparities, const MatcherSelection& used) {
+void MatcherCosts::resize(std::size_t entries, const MatcherSelection& used) {
   if (used[kCensus]) {
-    census.resize(width, disparities);
+    census.resize(entries);
   }
   if (used[kNcc]) {
-    ncc.resize(width, disparities);
+    ncc.resize(entries);
   }
   if (used[kZeroMeanSad]) {
-    zero_mean_sad.resize(width, disparities);
+    zero_mean_sad.resize(entries);
   }
   if (used[kSobelSad]) {
-    sobel_sad.resize(width, disparities);
+    sobel_sad.resize(entries);
   }
 }
 
 void MatcherSet::Scratch::resize(int width) {
+  census.resize(width);
   ncc.resize(width);
   zero_mean_sad.resize(width);
   sobel_sad.resize(width);
@@ -42,20 +43,19 @@ void MatcherSet::prepare(const cv::Mat& left, const cv::Mat& right, const Matche
   }
 }
 
-void MatcherSet::computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
-                            Scratch& scratch, MatcherCosts& costs,
-                            const RowSpans* spans) const {
+void MatcherSet::computeRow(int y, const RowEntries& entries, const MatcherSelection& used,
+                            Scratch& scratch, MatcherCosts& costs) const {
   if (used[kCensus]) {
-    census_.computeRow(y, range, costs.census, spans);
+    census_.computeRow(y, entries, scratch.census, costs.census);
   }
   if (used[kNcc]) {
-    ncc_.computeRow(y, range, scratch.ncc, costs.ncc, spans);
+    ncc_.computeRow(y, entries, scratch.ncc, costs.ncc);
   }
   if (used[kZeroMeanSad]) {
-    zero_mean_sad_.computeRow(y, range, scratch.zero_mean_sad, costs.zero_mean_sad, spans);
+    zero_mean_sad_.computeRow(y, entries, scratch.zero_mean_sad, costs.zero_mean_sad);
   }
   if (used[kSobelSad]) {
-    sobel_sad_.computeRow(y, range, scratch.sobel_sad, costs.sobel_sad, spans);
+    sobel_sad_.computeRow(y, entries, scratch.sobel_sad, costs.sobel_sad);
   }
 }
 

@@ -1,9 +1,5 @@
 #include "cbmv_stereo/matching/ncc.h"
 
-#include <algorithm>
-
-#include <tbb/parallel_for.h>
-
 #include "cbmv_stereo/matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -46,8 +42,8 @@ HWY_INLINE void sumProducts(const NccMatcher::Rows& left, const NccMatcher::Rows
   });
 }
 
-void sumWindows(const NccMatcher::Rows& rows, int width, float* columns, float* sums,
-                float* inverse_deviations) {
+HWY_INLINE void sumWindows(const NccMatcher::Rows& rows, int width, float* columns, float* sums,
+                           float* inverse_deviations) {
   const NccMatcher::Rows r = rows;
   forLanes(Floats(), -1, width + 1, [=](auto tag, int x, int) HWY_ATTR {
     const auto sum = hn::Add(hn::Add(hn::LoadU(tag, r[0] + x), hn::LoadU(tag, r[1] + x)),
@@ -69,9 +65,9 @@ void sumWindows(const NccMatcher::Rows& rows, int width, float* columns, float* 
   });
 }
 
-void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right, int d,
-               const ColumnSpan& span, float* columns, float* line) {
-  sumProducts(left.rows, right.rows, d, span, columns);
+/// `columns` holds the sums of products down the columns of the windows.
+HWY_INLINE void correlateRun(const NccMatcher::Windows& left, const NccMatcher::Windows& right,
+                             int d, const ColumnSpan& span, const float* columns, float* line) {
   const NccMatcher::Windows l = left;
   const NccMatcher::Windows r = right;
   forLanes(Floats(), span.begin, span.end, [=](auto tag, int x, int) HWY_ATTR {
@@ -86,6 +82,66 @@ void correlate(const NccMatcher::Windows& left, const NccMatcher::Windows& right
   });
 }
 
+/// What a row of one view needs, from the pixels of the window's rows.
+NccMatcher::Windows prepareWindows(const NccMatcher::Pixels& pixels, int width, float* columns,
+                                   NccMatcher::View& view) {
+  NccMatcher::Windows windows{{}, view.sums.data(), view.inverse_deviations.data()};
+  for (int r = 0; r < NccMatcher::kWindowPx; ++r) {
+    float* row = view.rows[r].data() + 1;
+    windows.rows[r] = row;
+    forLanes(Floats(), -1, width + 1, [=, from = pixels[r]](auto tag, int x, int) HWY_ATTR {
+      const hn::RebindToSigned<decltype(tag)> integer;
+      const auto bytes = hn::LoadU(hn::Rebind<std::uint8_t, decltype(tag)>(), from + x);
+      hn::StoreU(hn::ConvertTo(tag, hn::PromoteTo(integer, bytes)), tag, row + x);
+    });
+  }
+  sumWindows(windows.rows, width, columns, view.sums.data(), view.inverse_deviations.data());
+  return windows;
+}
+
+/// Calls fill(run, shift) for all runs and then use(run, shift). In between, a line holds values of
+/// the columns of the run, from `radius` before its span to as many behind it: that of column x at
+/// shift + x. The line has room for `width` + 2 · `radius` values. As many runs as fit are filled
+/// before the first is used: a vector that is read across two which have just been written has to
+/// wait for them.
+template <class Fill, class Use>
+HWY_INLINE void forBatches(const RowEntries& entries, int width, int radius, const Fill& fill,
+                           const Use& use) {
+  const int capacity = width + 2 * radius;
+  const auto length = [radius](const RowEntries::Run& run) {
+    return run.span.end - run.span.begin + 2 * radius;
+  };
+  const RowEntries::Run* run = entries.runs().data();
+  const RowEntries::Run* const end = run + entries.runs().size();
+  while (run != end) {
+    const RowEntries::Run* const first = run;
+    int filled = 0;
+    for (; run != end && filled + length(*run) <= capacity; ++run) {
+      fill(*run, filled + radius - run->span.begin);
+      filled += length(*run);
+    }
+    filled = 0;
+    for (const RowEntries::Run* ready = first; ready != run; ++ready) {
+      use(*ready, filled + radius - ready->span.begin);
+      filled += length(*ready);
+    }
+  }
+}
+
+void correlate(const NccMatcher::Pixels& left_pixels, const NccMatcher::Pixels& right_pixels,
+               int width, const RowEntries& entries, NccMatcher::Scratch& scratch, float* costs) {
+  float* columns = scratch.column_sums.data();
+  const NccMatcher::Windows left = prepareWindows(left_pixels, width, columns + 1, scratch.left);
+  const NccMatcher::Windows right = prepareWindows(right_pixels, width, columns + 1, scratch.right);
+  forBatches(
+      entries, width, NccMatcher::kWindowPx / 2,
+      [&](const RowEntries::Run& run, int shift)
+          HWY_ATTR { sumProducts(left.rows, right.rows, run.d, run.span, columns + shift); },
+      [&](const RowEntries::Run& run, int shift) HWY_ATTR {
+        correlateRun(left, right, run.d, run.span, columns + shift, costs + run.offset);
+      });
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace cbmv
@@ -95,64 +151,42 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(sumWindows);
 HWY_EXPORT(correlate);
 
-NccMatcher::Rows windowRows(const cv::Mat& padded, int y) {
-  return {paddedRow<float>(padded, y - 1), paddedRow<float>(padded, y),
-          paddedRow<float>(padded, y + 1)};
-}
-
-constexpr int kBlock = 512;  // columns whose sums fit the stack
-
-/// Statistics of the windows of a row, block by block.
-void sumWindowsOfRow(const NccMatcher::Rows& rows, int width, float* sums,
-                     float* inverse_deviations) {
-  std::array<float, kBlock + 2> columns{};
-  for (int x = 0; x < width; x += kBlock) {
-    HWY_DYNAMIC_DISPATCH(sumWindows)
-    ({rows[0] + x, rows[1] + x, rows[2] + x}, std::min(kBlock, width - x), columns.data() + 1,
-     sums + x, inverse_deviations + x);
-  }
+NccMatcher::Pixels windowRows(const cv::Mat& padded, int y) {
+  return {paddedRow<std::uint8_t>(padded, y - 1), paddedRow<std::uint8_t>(padded, y),
+          paddedRow<std::uint8_t>(padded, y + 1)};
 }
 
 }  // namespace
 
-NccMatcher::Windows NccMatcher::WindowStatistics::row(int y) const {
-  return {windowRows(padded, y), sums.ptr<float>(y), inverse_deviations.ptr<float>(y)};
+void NccMatcher::View::resize(int width) {
+  for (std::vector<float>& row : rows) {
+    row.resize(static_cast<std::size_t>(width) + 2);
+  }
+  sums.resize(width);
+  inverse_deviations.resize(width);
 }
 
-void NccMatcher::prepareImage(const cv::Mat& padded, WindowStatistics& statistics) {
-  const int height = padded.rows - 2 * kMatchingBorderPx;
-  const int width = padded.cols - 2 * kMatchingBorderPx;
-  padded.convertTo(statistics.padded, CV_32F);
-  statistics.sums.create(height, width, CV_32FC1);
-  statistics.inverse_deviations.create(height, width, CV_32FC1);
-  tbb::parallel_for(0, height, [&](int y) {
-    sumWindowsOfRow(windowRows(statistics.padded, y), width, statistics.sums.ptr<float>(y),
-                    statistics.inverse_deviations.ptr<float>(y));
-  });
+void NccMatcher::Scratch::resize(int width) {
+  left.resize(width);
+  right.resize(width);
+  column_sums.resize(static_cast<std::size_t>(width) + 2);
 }
 
 void NccMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_right) {
-  prepareImage(padded_left, left_);
-  prepareImage(padded_right, right_);
+  padded_left_ = padded_left;
+  padded_right_ = padded_right;
 }
 
-void NccMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                            CostRow<float>& costs, const RowSpans* spans) const {
-  const int width = left_.sums.cols;
-  costs.resize(width, range.count);
-  const Windows left = left_.row(y);
-  const Windows right = right_.row(y);
+void NccMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                            CostRow<float>& costs) const {
+  const int width = padded_left_.cols - 2 * kMatchingBorderPx;
+  costs.resize(entries.count());
   scratch.resize(width);
-  float* columns = scratch.column_sums.data() + 1;
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
-      HWY_DYNAMIC_DISPATCH(correlate)(left, right, d, span, columns, costs.line(i));
-    });
-  }
+  HWY_DYNAMIC_DISPATCH(correlate)
+  (windowRows(padded_left_, y), windowRows(padded_right_, y), width, entries, scratch,
+   costs.entry(0));
 }
 
 }  // namespace cbmv

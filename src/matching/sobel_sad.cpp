@@ -21,8 +21,10 @@ using Words = hn::CappedTag<std::uint16_t, 32>;
 
 /// Sums of absolute differences in the windows of the columns `span`. `columns` holds the sums down
 /// the columns meanwhile, from two before to two behind.
-void sumDifferences(const SobelSadMatcher::Rows& left, const SobelSadMatcher::Rows& right, int d,
-                    const ColumnSpan& span, std::uint16_t* columns, std::uint16_t* line) {
+HWY_INLINE void sumDifferencesOfRun(const SobelSadMatcher::Rows& left,
+                                    const SobelSadMatcher::Rows& right, int d,
+                                    const ColumnSpan& span, std::uint16_t* columns,
+                                    std::uint16_t* line) {
   constexpr int kRadius = SobelSadMatcher::kWindowPx / 2;
   const SobelSadMatcher::Rows l = left;
   const SobelSadMatcher::Rows r = right;
@@ -43,6 +45,13 @@ void sumDifferences(const SobelSadMatcher::Rows& left, const SobelSadMatcher::Ro
     }
     hn::StoreU(sum, tag, line + x);
   });
+}
+
+void sumDifferences(const SobelSadMatcher::Rows& left, const SobelSadMatcher::Rows& right,
+                    const RowEntries& entries, std::uint16_t* columns, std::uint16_t* costs) {
+  for (const RowEntries::Run& run : entries.runs()) {
+    sumDifferencesOfRun(left, right, run.d, run.span, columns, costs + run.offset);
+  }
 }
 
 }  // namespace
@@ -87,20 +96,13 @@ void SobelSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padded_
   computeResponses(padded_right, right_responses_);
 }
 
-void SobelSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                                 CostRow<std::uint16_t>& costs, const RowSpans* spans) const {
-  const int width = left_responses_.cols - 2 * kMatchingBorderPx;
-  costs.resize(width, range.count);
-  scratch.resize(width);
-  const Rows left = windowRows(left_responses_, y);
-  const Rows right = windowRows(right_responses_, y);
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
-      HWY_DYNAMIC_DISPATCH(sumDifferences)
-      (left, right, d, span, scratch.column_sums.data() + kWindowPx / 2, costs.line(i));
-    });
-  }
+void SobelSadMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                                 CostRow<std::uint16_t>& costs) const {
+  costs.resize(entries.count());
+  scratch.resize(left_responses_.cols - 2 * kMatchingBorderPx);
+  HWY_DYNAMIC_DISPATCH(sumDifferences)
+  (windowRows(left_responses_, y), windowRows(right_responses_, y), entries,
+   scratch.column_sums.data() + kWindowPx / 2, costs.entry(0));
 }
 
 }  // namespace cbmv

@@ -25,9 +25,10 @@ using Words = hn::CappedTag<std::int16_t, 32>;
 /// Σ |difference − mean difference| over the windows of the columns `span`. The differences of
 /// pixels, column 0 of row r at differences + r · stride, are computed from two columns before to
 /// two behind.
-void sumDeviations(const ZeroMeanSadMatcher::Windows& left,
-                   const ZeroMeanSadMatcher::Windows& right, int d, const ColumnSpan& span,
-                   int stride, std::int16_t* differences, std::uint16_t* line) {
+HWY_INLINE void sumDeviationsOfRun(const ZeroMeanSadMatcher::Windows& left,
+                                   const ZeroMeanSadMatcher::Windows& right, int d,
+                                   const ColumnSpan& span, int stride, std::int16_t* differences,
+                                   std::uint16_t* line) {
   constexpr int kRadius = ZeroMeanSadMatcher::kWindowPx / 2;
   const ZeroMeanSadMatcher::Windows l = left;
   const ZeroMeanSadMatcher::Windows r = right;
@@ -50,6 +51,14 @@ void sumDeviations(const ZeroMeanSadMatcher::Windows& left,
     const hn::RebindToUnsigned<decltype(tag)> unsigned_tag;
     hn::StoreU(hn::BitCast(unsigned_tag, sum), unsigned_tag, line + x);
   });
+}
+
+void sumDeviations(const ZeroMeanSadMatcher::Windows& left,
+                   const ZeroMeanSadMatcher::Windows& right, const RowEntries& entries, int stride,
+                   std::int16_t* differences, std::uint16_t* costs) {
+  for (const RowEntries::Run& run : entries.runs()) {
+    sumDeviationsOfRun(left, right, run.d, run.span, stride, differences, costs + run.offset);
+  }
 }
 
 }  // namespace
@@ -112,21 +121,14 @@ void ZeroMeanSadMatcher::prepare(const cv::Mat& padded_left, const cv::Mat& padd
   prepareImage(padded_right, right_);
 }
 
-void ZeroMeanSadMatcher::computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                                    CostRow<std::uint16_t>& costs, const RowSpans* spans) const {
+void ZeroMeanSadMatcher::computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                                    CostRow<std::uint16_t>& costs) const {
   const int width = left_.means.cols;
-  const int stride = width + kWindowPx - 1;
-  costs.resize(width, range.count);
+  costs.resize(entries.count());
   scratch.resize(width);
-  const Windows left = left_.row(y);
-  const Windows right = right_.row(y);
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    forSpans(spans, width, range, i, [&](const ColumnSpan& span) {
-      HWY_DYNAMIC_DISPATCH(sumDeviations)
-      (left, right, d, span, stride, scratch.differences.data() + kWindowPx / 2, costs.line(i));
-    });
-  }
+  HWY_DYNAMIC_DISPATCH(sumDeviations)
+  (left_.row(y), right_.row(y), entries, width + kWindowPx - 1,
+   scratch.differences.data() + kWindowPx / 2, costs.entry(0));
 }
 
 }  // namespace cbmv

@@ -54,8 +54,8 @@ double bytesOfVolumes(const Problem& problem) {
 /// Maps of the alignment and of the matchers.
 double bytesOfMatchingMaps(const Problem& problem) {
   const double aligned_and_estimate = ifSet(problem.options.rectification.enabled, 1 + 30);
-  // Of both images: padded; census; NCC; zero-mean SAD; Sobel SAD.
-  const double matchers = 2 * (1 + 15 + 12 + 4 + 2);
+  // Of both images: padded; zero-mean SAD; Sobel SAD.
+  const double matchers = 2 * (1 + 4 + 2);
   return problem.pixels * (aligned_and_estimate + matchers);
 }
 
@@ -73,11 +73,12 @@ double bytesOfEstimationMaps(const Problem& problem) {
 }
 
 double bytesOfRows(const Problem& problem) {
-  const double costs = 1 + 1 + 4 + 2 + 2;  // of the forest and of the four matchers
+  const double entries = 1.2;
+  const double costs = 1 + 4 + 2 + 2;  // of the four matchers
   const double shift = problem.matchesRightView() ? 1 : 0;
-  const double terms_and_codes = 130;
+  const double terms_census_and_ncc = 200;
   return problem.threads * problem.width *
-         ((costs + shift) * problem.disparities + terms_and_codes);
+         ((entries + costs + shift) * problem.disparities + terms_census_and_ncc);
 }
 
 double bytesOfPaths(const Problem& problem) {

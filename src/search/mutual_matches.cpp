@@ -40,9 +40,10 @@ void computeDistances(const CensusRows& rows) {
     std::uint8_t* line = rows.distances + i * rows.pitch;
     forLanes(Bytes(), span.begin, span.end, [&](auto tag, int x, int) HWY_ATTR {
       auto distance = hn::Zero(tag);
-      for (std::size_t k = 0; k < rows.left.size(); ++k) {
+      for (int k = 0; k < CensusRows::kBytes; ++k) {
+        const std::ptrdiff_t column = k * rows.width + x;
         const auto difference =
-            hn::Xor(hn::LoadU(tag, rows.left[k] + x), hn::LoadU(tag, rows.right[k] + x - d));
+            hn::Xor(hn::LoadU(tag, rows.left + column), hn::LoadU(tag, rows.right + column - d));
         distance = hn::Add(distance, hn::PopulationCount(difference));
       }
       hn::StoreU(distance, tag, line + x);
@@ -159,6 +160,8 @@ class RowScanner {
       row.resize(size);
     }
     sums_.resize(size);
+    left_bits_.resize(static_cast<std::size_t>(width) * CensusRows::kBytes);
+    right_bits_.resize(left_bits_.size());
     for (auto* line : {&cost_, &second_cost_, &index_}) {
       line->resize(roundUp(width, kVector));
     }
@@ -190,11 +193,9 @@ class RowScanner {
   std::uint8_t* row(int y) { return ring_[y % ring_.size()].data(); }
 
   void fill(const CensusTransform& left, const CensusTransform& right, int y) {
-    CensusRows rows{{}, {}, width_, range_, pitch_, row(y) + kVector};
-    for (int k = 0; k < left.bytes(); ++k) {
-      rows.left[k] = left.row(y, k);
-      rows.right[k] = right.row(y, k);
-    }
+    left.computeRow(y, left_bits_.data());
+    right.computeRow(y, right_bits_.data());
+    const CensusRows rows{left_bits_.data(), right_bits_.data(), width_, range_, pitch_, row(y) + kVector};
     HWY_DYNAMIC_DISPATCH(computeDistances)(rows);
   }
 
@@ -222,6 +223,7 @@ class RowScanner {
   int right_pad_ = 0;  ///< columns before and behind the right image that matches may fall on
   std::array<std::vector<std::uint8_t>, 3> ring_;  ///< distances of three rows
   std::vector<std::uint8_t> sums_;
+  std::vector<std::uint8_t> left_bits_, right_bits_;  ///< census of the row under way
   Line cost_, second_cost_, index_, right_cost_, right_index_;
 };
 
@@ -232,8 +234,10 @@ class MutualMatcher::Impl {
   void find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
             cv::Mat& matches) {
     CV_Assert(left.type() == CV_8UC1 && right.type() == CV_8UC1 && left.size() == right.size());
-    transform(left, left_);
-    transform(right, right_);
+    padImage(left, padded_left_);
+    padImage(right, padded_right_);
+    left_.prepare(padded_left_, kWindow);
+    right_.prepare(padded_right_, kWindow);
     matches.create(left.size(), CV_16SC1);
     scanners_.prepare([&](RowScanner& scanner) { scanner.resize(left.cols, range); });
     const int tasks = (left.rows + kRowsPerTask - 1) / kRowsPerTask;
@@ -245,12 +249,8 @@ class MutualMatcher::Impl {
   }
 
  private:
-  void transform(const cv::Mat& image, CensusTransform& census) {
-    padImage(image, padded_);
-    census.compute(padded_, kWindow);
-  }
-
-  cv::Mat padded_;
+  cv::Mat padded_left_;
+  cv::Mat padded_right_;
   CensusTransform left_;
   CensusTransform right_;
   PerThread<RowScanner> scanners_;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,8 +14,10 @@ constexpr std::uint16_t kNoCost = 0xffff;
 /// Two rows of census bits, and where the distances of their hypotheses go: line i, of disparity
 /// range.min + i, begins i · pitch behind `distances`.
 struct CensusRows {
-  std::array<const std::uint8_t*, 8> left;
-  std::array<const std::uint8_t*, 8> right;
+  static constexpr int kBytes = 8;  ///< of a pixel
+
+  const std::uint8_t* left;  ///< [byte][x]
+  const std::uint8_t* right;
   int width;
   DisparityRange range;
   std::ptrdiff_t pitch;

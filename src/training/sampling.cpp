@@ -82,22 +82,24 @@ std::vector<Hypothesis> drawHypotheses(const TrainingPair& pair, const HeldOutBa
 
 /// Writes the features of the hypotheses [begin, end), all of one row, from index `first` on.
 void computeRowSamples(const MatcherSet& matchers, const TrainingPair& pair,
-                       const Hypothesis* begin, const Hypothesis* end, std::size_t first,
-                       RowFeatures& features, Samples& samples) {
-  features.prepareRow(matchers, begin->y, pair.left.cols, pair.range);
+                       const RowEntries& entries, const Hypothesis* begin, const Hypothesis* end,
+                       std::size_t first, RowFeatures& features, Samples& samples) {
+  features.prepareRow(matchers, begin->y, pair.left.cols, entries);
   for (int i = 0; i < pair.range.count; ++i) {
+    const PlaceSpan places = entries.places(i);
     bool computed = false;
     for (const Hypothesis* hypothesis = begin; hypothesis != end; ++hypothesis) {
       if (hypothesis->i != i) {
         continue;
       }
       if (!computed) {
-        features.compute(i);
+        features.compute(places);
         computed = true;
       }
       const std::size_t index = first + static_cast<std::size_t>(hypothesis - begin);
+      const int first_column = entries.entries()[places.begin].column;
       for (int f = 0; f < kFeatureCount; ++f) {
-        samples.features[f][index] = features.line(f)[hypothesis->x];
+        samples.features[f][index] = features.line(f)[hypothesis->x - first_column];
       }
       samples.labels[index] = hypothesis->label;
     }
@@ -126,6 +128,10 @@ void appendSamples(const TrainingPair& pair, long pixels, std::uint64_t seed, Sa
 
   MatcherSet matchers;
   matchers.prepare(pair.left, pair.right);
+  SearchSpace row;  // the same for all rows
+  row.buildExhaustive(1, pair.left.cols, pair.range);
+  RowEntries entries;
+  entries.build(row, 0);
   tbb::enumerable_thread_specific<RowFeatures> features;
   tbb::parallel_for(0, pair.left.rows, [&](int y) {
     const auto before_row = [](const Hypothesis& h, int row) { return h.y < row; };
@@ -133,7 +139,7 @@ void appendSamples(const TrainingPair& pair, long pixels, std::uint64_t seed, Sa
     const auto end = std::lower_bound(begin, hypotheses.end(), y + 1, before_row);
     if (begin != end) {
       const auto offset = static_cast<std::size_t>(begin - hypotheses.begin());
-      computeRowSamples(matchers, pair, hypotheses.data() + offset,
+      computeRowSamples(matchers, pair, entries, hypotheses.data() + offset,
                         hypotheses.data() + offset + (end - begin), first + offset,
                         features.local(), samples);
     }

@@ -1,15 +1,13 @@
 #include "cbmv_stereo/volume/volume_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstring>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/confidence/row_features.h"
-#include "cbmv_stereo/matching/matcher_set.h"
+#include "row_scorer.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volume/volume_builder.cpp"
@@ -76,40 +74,12 @@ HWY_EXPORT(transposeTiles);
 
 /// Buffers of one thread for one image row.
 struct RowWorkspace {
-  RowFeatures features;
+  RowScorer scorer;
   std::vector<std::uint8_t> costs;  ///< [d][x]
 };
 
 std::size_t hypothesesOfRow(int width, const DisparityRange& range) {
   return static_cast<std::size_t>(width) * range.count;
-}
-
-/// Costs of the hypotheses of one disparity of the row: features, their codes, the forest.
-void scoreLine(const Forest& forest, const ForestEvaluator& evaluator, int width, int d, int i,
-               RowWorkspace& workspace) {
-  const ColumnSpan span = matchedColumns(width, d);
-  std::uint8_t* line = workspace.costs.data() + static_cast<std::size_t>(i) * width;
-  if (span.empty()) {
-    std::fill_n(line, width, kOutsideCost);
-    return;
-  }
-  std::fill(line, line + span.begin, kOutsideCost);
-  std::fill(line + span.end, line + width, kOutsideCost);
-  RowFeatures& features = workspace.features;
-  const auto evaluate = [&](auto line_of) {
-    std::array<decltype(line_of(0)), kFeatureCount> lines{};
-    for (int f = 0; f < kFeatureCount; ++f) {
-      lines[f] = line_of(f) + span.begin;
-    }
-    evaluator.evaluate(lines, span.end - span.begin, line + span.begin);
-  };
-  if (evaluator.wantsValues()) {
-    features.compute(i);
-    evaluate([&](int f) { return features.line(f); });
-  } else {
-    features.computeCodes(i, forest.quantizer);
-    evaluate([&](int f) { return features.codes(f); });
-  }
 }
 
 /// [row][column] to [column][row]
@@ -161,6 +131,8 @@ MatcherSelection askedMatchers(const Forest& forest) {
 
 class VolumeBuilder::Impl {
  public:
+  SearchSpace row;  ///< the same for all rows
+  RowEntries entries;
   MatcherSet matchers;
   PerThread<RowWorkspace> workspaces;
 };
@@ -173,18 +145,24 @@ void VolumeBuilder::build(const cv::Mat& left, const cv::Mat& right, const Dispa
                           MatchingVolume& volume) {
   const int width = left.cols;
   volume.resize(left.rows, width, range.count);
-  const MatcherSelection asked = askedMatchers(forest);
-  impl_->matchers.prepare(left, right, asked);
+  const Scoring scoring{impl_->matchers, forest, evaluator, askedMatchers(forest)};
+  impl_->matchers.prepare(left, right, scoring.asked);
+  impl_->row.buildExhaustive(1, width, range);
+  const RowEntries& entries = impl_->entries;
+  impl_->entries.build(impl_->row, 0);
   impl_->workspaces.prepare([&](RowWorkspace& workspace) {
-    workspace.features.reserve(width, range, asked, !evaluator.wantsValues());
+    workspace.scorer.reserve(scoring, width, entries.count());
     workspace.costs.resize(hypothesesOfRow(width, range));
   });
   tbb::parallel_for(0, left.rows, [&](int y) {
     RowWorkspace& workspace = impl_->workspaces.local();
-    workspace.features.prepareRow(impl_->matchers, y, width, range, asked);
-    for (int i = 0; i < range.count; ++i) {
-      scoreLine(forest, evaluator, width, range.min + i, i, workspace);
-    }
+    std::fill(workspace.costs.begin(), workspace.costs.end(), kOutsideCost);
+    workspace.scorer.score(
+        scoring, y, width, entries, [&](const RowEntries::Entry& entry, const std::uint8_t* costs) {
+          const int i = entry.column - entry.right_column - range.min;
+          std::copy_n(costs, std::min(kTileColumns, width - entry.column),
+                      &workspace.costs[static_cast<std::size_t>(i) * width + entry.column]);
+        });
     transpose(workspace.costs.data(), range.count, width, volume.row(y));
   });
 }

@@ -1,6 +1,7 @@
 #include "cbmv_stereo/confidence/features.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -8,38 +9,53 @@
 #include <vector>
 
 #include "support/random_images.h"
+#include "support/random_search_space.h"
 #include "support/simd_targets.h"
 
 namespace cbmv::test {
 namespace {
 
 template <typename Cost>
-void fillRandomly(const Shape& shape, double lowest, double highest, CostRow<Cost>& costs) {
+void fillRandomly(int places, double lowest, double highest, CostRow<Cost>& costs) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> cost(lowest, highest);
-  costs.resize(shape.width, shape.range.count);
-  for (int i = 0; i < shape.range.count; ++i) {
-    for (int x = 0; x < shape.width; ++x) {
-      costs.line(i)[x] = static_cast<Cost>(cost(random));
-    }
+  costs.resize(places);
+  for (int h = 0; h < places * kTileColumns; ++h) {
+    costs.entry(0)[h] = static_cast<Cost>(cost(random));
   }
 }
 
 /// Costs as the matchers could give them.
-MatcherCosts randomCosts(const Shape& shape) {
+MatcherCosts randomCosts(int places) {
   MatcherCosts costs;
-  fillRandomly(shape, 0, 121, costs.census);
-  fillRandomly(shape, -1, 1, costs.ncc);
-  fillRandomly(shape, 0, 481, costs.zero_mean_sad);
-  fillRandomly(shape, 0, 51001, costs.sobel_sad);
+  fillRandomly(places, 0, 121, costs.census);
+  fillRandomly(places, -1, 1, costs.ncc);
+  fillRandomly(places, 0, 481, costs.zero_mean_sad);
+  fillRandomly(places, 0, 51001, costs.sobel_sad);
   return costs;
 }
 
+/// A hypothesis with its match inside; number h of the row, place by place.
+struct Hypothesis {
+  int x, x_right, h;
+};
+
+std::vector<Hypothesis> hypothesesOf(const RowEntries& entries) {
+  std::vector<Hypothesis> hypotheses;
+  for (int place = 0; place < entries.count(); ++place) {
+    const RowEntries::Entry& entry = entries.entries()[place];
+    for (int k = entry.begin; k < entry.end; ++k) {
+      hypotheses.push_back({entry.column + k, entry.right_column + k, place * kTileColumns + k});
+    }
+  }
+  return hypotheses;
+}
+
 /// In the unit of the matcher's constants.
-double costAt(const MatcherCosts& costs, int matcher, int i, int x) {
+double costAt(const MatcherCosts& costs, int matcher, int h) {
   return std::visit(
       [&](const auto* row) {
-        return kMatcherConstants[matcher].cost_unit * static_cast<double>(row->line(i)[x]);
+        return kMatcherConstants[matcher].cost_unit * static_cast<double>(row->entry(0)[h]);
       },
       costs.rows()[matcher]);
 }
@@ -50,17 +66,14 @@ struct Confidences {
 };
 
 /// Straight from the formulas, over the competitors at constant x_L (left) or x_R (right).
-Confidences naiveConfidences(const MatcherCosts& costs, int matcher, const Shape& shape, int x,
-                             int i, View view) {
+Confidences naiveConfidences(const MatcherCosts& costs, int matcher,
+                             const std::vector<Hypothesis>& hypotheses,
+                             const Hypothesis& hypothesis, View view) {
   const MatcherConstants constants = kMatcherConstants[matcher];
-  const int x_right = x - shape.range.min - i;
   std::vector<double> competitors;
-  for (int k = 0; k < shape.range.count; ++k) {
-    const int left_column = view == View::kLeft ? x : x_right + shape.range.min + k;
-    const int right_column = left_column - shape.range.min - k;
-    if (left_column >= 0 && left_column < shape.width && right_column >= 0 &&
-        right_column < shape.width) {
-      competitors.push_back(costAt(costs, matcher, k, left_column));
+  for (const Hypothesis& other : hypotheses) {
+    if (view == View::kLeft ? other.x == hypothesis.x : other.x_right == hypothesis.x_right) {
+      competitors.push_back(costAt(costs, matcher, other.h));
     }
   }
   const double lowest = *std::min_element(competitors.begin(), competitors.end());
@@ -71,88 +84,123 @@ Confidences naiveConfidences(const MatcherCosts& costs, int matcher, const Shape
   for (const double cost : competitors) {
     sum += likelihood(cost);
   }
-  const double cost = costAt(costs, matcher, i, x);
+  const double cost = costAt(costs, matcher, hypothesis.h);
   return {std::log((lowest + constants.epsilon) / (cost + constants.epsilon)),
           -(cost - lowest) * (cost - lowest) / constants.two_sigma_squared - std::log(sum)};
 }
 
-using Lines = std::vector<std::vector<float>>;
+/// The entries of one row, with costs.
+struct Row {
+  int width;
+  RowEntries entries;
+  MatcherCosts costs;
+};
 
-/// Feature values [i · 5 + feature][x]; 0 where the match lies outside.
-Lines computeAllFeatures(const CostRowPointer& costs, const Shape& shape,
-                         const MatcherConstants& constants) {
-  RowTerms terms;
-  computeRowTerms(costs, shape.width, shape.range, constants, terms);
-  Lines values(shape.range.count * kFeaturesPerMatcher, std::vector<float>(shape.width));
-  for (int i = 0; i < shape.range.count; ++i) {
-    std::vector<float>* first = &values[i * kFeaturesPerMatcher];
-    computeFeatures(
-        costs, terms, shape.width, shape.range, i, constants,
-        {first[0].data(), first[1].data(), first[2].data(), first[3].data(), first[4].data()});
+/// With the whole range in all tiles, or with windows.
+Row makeRow(const Shape& shape, bool windows) {
+  SearchSpace space;
+  if (windows) {
+    space = makeSearchSpace(1, shape.width, shape.range, 3);
+  } else {
+    space.buildExhaustive(1, shape.width, shape.range);
   }
-  return values;
+  Row row{shape.width, {}, {}};
+  row.entries.build(space, 0);
+  row.costs = randomCosts(row.entries.count());
+  return row;
 }
 
-class FeaturesTest : public testing::TestWithParam<std::tuple<Shape, int>> {};
+RowTerms computeTerms(const Row& row, int matcher) {
+  RowTerms terms;
+  computeRowTerms(row.costs.rows()[matcher], row.entries, row.width, kMatcherConstants[matcher],
+                  terms);
+  return terms;
+}
+
+using Lines = std::array<std::vector<float>, kFeaturesPerMatcher>;
+
+/// Feature values [feature][hypothesis]; 0 where the match lies outside.
+Lines computeAllFeatures(const Row& row, int matcher) {
+  const RowTerms terms = computeTerms(row, matcher);
+  const int count = row.entries.count();
+  Lines values;
+  FeatureLines lines{};
+  for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+    values[f].resize(static_cast<std::size_t>(count) * kTileColumns);
+    lines[f] = values[f].data();
+  }
+  computeFeatures(row.costs.rows()[matcher], terms, row.entries, {0, count},
+                  kMatcherConstants[matcher], lines);
+  Lines inside;
+  for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+    inside[f].resize(values[f].size());
+    for (const Hypothesis& hypothesis : hypothesesOf(row.entries)) {
+      inside[f][hypothesis.h] = values[f][hypothesis.h];
+    }
+  }
+  return inside;
+}
+
+class FeaturesTest : public testing::TestWithParam<std::tuple<Shape, int, bool>> {
+ protected:
+  Row row() const { return makeRow(std::get<0>(GetParam()), std::get<2>(GetParam())); }
+  int matcher() const { return std::get<1>(GetParam()); }
+};
 
 TEST_P(FeaturesTest, EqualDefinitions) {
-  const auto [shape, matcher] = GetParam();
-  const MatcherConstants constants = kMatcherConstants[matcher];
-  const MatcherCosts costs = randomCosts(shape);
-  const Lines values = computeAllFeatures(costs.rows()[matcher], shape, constants);
-  for (int i = 0; i < shape.range.count; ++i) {
-    const std::vector<float>* lines = &values[i * kFeaturesPerMatcher];
-    const ColumnSpan span = matchedColumns(shape.width, shape.range.min + i);
-    for (int x = span.begin; x < span.end; ++x) {
-      const double cost = costAt(costs, matcher, i, x);
-      const Confidences left = naiveConfidences(costs, matcher, shape, x, i, View::kLeft);
-      const Confidences right = naiveConfidences(costs, matcher, shape, x, i, View::kRight);
-      const auto expect = [&, x = x](Feature feature, double expected) {
-        // Single precision; the logarithms are of values up to 2¹⁶.
-        EXPECT_NEAR(lines[feature][x], expected, 2e-4 + 1e-6 * std::abs(expected)) << feature;
-      };
-      expect(kCost, constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost);
-      expect(kRatioLow, std::min(left.log_ratio, right.log_ratio));
-      expect(kRatioHigh, std::max(left.log_ratio, right.log_ratio));
-      expect(kLikelihoodLow, std::min(left.log_likelihood, right.log_likelihood));
-      expect(kLikelihoodHigh, std::max(left.log_likelihood, right.log_likelihood));
-    }
+  const MatcherConstants constants = kMatcherConstants[matcher()];
+  const Row row = this->row();
+  const Lines values = computeAllFeatures(row, matcher());
+  const std::vector<Hypothesis> hypotheses = hypothesesOf(row.entries);
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const double cost = costAt(row.costs, matcher(), hypothesis.h);
+    const Confidences left =
+        naiveConfidences(row.costs, matcher(), hypotheses, hypothesis, View::kLeft);
+    const Confidences right =
+        naiveConfidences(row.costs, matcher(), hypotheses, hypothesis, View::kRight);
+    const auto expect = [&](Feature feature, double expected) {
+      // Single precision; the logarithms are of values up to 2¹⁶.
+      EXPECT_NEAR(values[feature][hypothesis.h], expected, 2e-4 + 1e-6 * std::abs(expected))
+          << feature;
+    };
+    expect(kCost, constants.logarithmic_cost ? std::log(cost + constants.epsilon) : cost);
+    expect(kRatioLow, std::min(left.log_ratio, right.log_ratio));
+    expect(kRatioHigh, std::max(left.log_ratio, right.log_ratio));
+    expect(kLikelihoodLow, std::min(left.log_likelihood, right.log_likelihood));
+    expect(kLikelihoodHigh, std::max(left.log_likelihood, right.log_likelihood));
   }
 }
 
 TEST_P(FeaturesTest, AreTheSameOnEveryInstructionSet) {
-  const auto [shape, matcher] = GetParam();
-  const MatcherConstants constants = kMatcherConstants[matcher];
-  const MatcherCosts all_costs = randomCosts(shape);
-  const CostRowPointer costs = all_costs.rows()[matcher];
-  const Lines expected = computeAllFeatures(costs, shape, constants);
-  onEverySimdTarget(
-      [&, shape = shape] { EXPECT_EQ(computeAllFeatures(costs, shape, constants), expected); });
+  const Row row = this->row();
+  const Lines expected = computeAllFeatures(row, matcher());
+  onEverySimdTarget([&] { EXPECT_EQ(computeAllFeatures(row, matcher()), expected); });
+}
+
+/// The code of a value, by the definition.
+float codeOf(const CodeMap& map, float value) {
+  return std::clamp(std::floor(map.scale * value + map.offset), 0.0F, 255.0F);
 }
 
 TEST_P(FeaturesTest, CodesAreQuantizedFeatures) {
-  const auto [shape, matcher] = GetParam();
-  const MatcherConstants constants = kMatcherConstants[matcher];
-  const MatcherCosts all_costs = randomCosts(shape);
-  const CostRowPointer costs = all_costs.rows()[matcher];
-  const Lines values = computeAllFeatures(costs, shape, constants);
-  const MatcherCodeMaps maps = {{{2, 3}, {20, 150}, {30, 250}, {9, 170}, {11, 260}}};
-  onEverySimdTarget([&, shape = shape] {
-    RowTerms terms;
-    computeRowTerms(costs, shape.width, shape.range, constants, terms);
-    for (int i = 0; i < shape.range.count; ++i) {
-      std::vector<std::vector<std::uint8_t>> codes(kFeaturesPerMatcher,
-                                                   std::vector<std::uint8_t>(shape.width, 77));
-      computeCodes(
-          costs, terms, shape.width, shape.range, i, constants, maps,
-          {codes[0].data(), codes[1].data(), codes[2].data(), codes[3].data(), codes[4].data()});
-      const ColumnSpan span = matchedColumns(shape.width, shape.range.min + i);
-      for (int f = 0; f < kFeaturesPerMatcher; ++f) {
-        const std::vector<float>& line = values[i * kFeaturesPerMatcher + f];
-        for (int x = 0; x < shape.width; ++x) {
-          const float code = std::floor(maps[f].scale * line[x] + maps[f].offset);
-          const bool inside = x >= span.begin && x < span.end;
-          ASSERT_EQ(codes[f][x], inside ? std::clamp(code, 0.0F, 255.0F) : 77);
+  const Row row = this->row();
+  const Lines values = computeAllFeatures(row, matcher());
+  const std::array<CodeMap, kFeaturesPerMatcher> maps = {
+      {{2, 3}, {20, 150}, {30, 250}, {9, 170}, {11, 260}}};
+  const std::vector<Hypothesis> hypotheses = hypothesesOf(row.entries);
+  onEverySimdTarget([&] {
+    const RowTerms terms = computeTerms(row, matcher());
+    for (int place = 0; place < row.entries.count(); place += CodeBlock::kPlaces) {
+      const PlaceSpan places{place, std::min(place + CodeBlock::kPlaces, row.entries.count())};
+      CodeBlock block{};
+      computeCodes(row.costs.rows()[matcher()], terms, row.entries, places,
+                   kMatcherConstants[matcher()], maps.data(), block.lines.data());
+      for (const Hypothesis& hypothesis : hypotheses) {
+        const int h = hypothesis.h - places.begin * kTileColumns;
+        if (h >= 0 && h < places.count() * kTileColumns) {
+          for (int f = 0; f < kFeaturesPerMatcher; ++f) {
+            ASSERT_EQ(block.lines[f][h] + 128, codeOf(maps[f], values[f][hypothesis.h]));
+          }
         }
       }
     }
@@ -161,7 +209,8 @@ TEST_P(FeaturesTest, CodesAreQuantizedFeatures) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, FeaturesTest,
                          testing::Combine(testing::ValuesIn(awkwardShapes()),
-                                          testing::Values(kCensus, kNcc, kZeroMeanSad, kSobelSad)));
+                                          testing::Values(kCensus, kNcc, kZeroMeanSad, kSobelSad),
+                                          testing::Bool()));
 
 TEST(Features, MatchedColumnsAreThoseInside) {
   for (const Shape& shape : awkwardShapes()) {

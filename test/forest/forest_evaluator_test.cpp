@@ -25,11 +25,18 @@ CodeColumns randomCodes(int count) {
   return columns;
 }
 
-void expectTreeWalk(const Forest& forest, const CodeColumns& columns) {
-  std::array<const std::uint8_t*, kFeatureCount> codes{};
+/// Codes of `count` hypotheses from `first` on.
+CodeBlock makeBlock(const CodeColumns& columns, int first, int count) {
+  CodeBlock block{};
   for (int f = 0; f < kFeatureCount; ++f) {
-    codes[f] = columns[f].data();
+    for (int i = 0; i < count; ++i) {
+      block.lines[f][i] = static_cast<std::int8_t>(columns[f][first + i] - 128);
+    }
   }
+  return block;
+}
+
+void expectTreeWalk(const Forest& forest, const CodeColumns& columns) {
   const int count = static_cast<int>(columns[0].size());
   std::vector<std::uint8_t> expected(count);
   for (int i = 0; i < count; ++i) {
@@ -37,7 +44,11 @@ void expectTreeWalk(const Forest& forest, const CodeColumns& columns) {
   }
   onEverySimdTarget([&] {
     std::vector<std::uint8_t> costs(count + 1, 42);
-    ForestEvaluator(forest).evaluate(codes, count, costs.data());
+    const ForestEvaluator evaluator(forest);
+    for (int first = 0; first < count; first += CodeBlock::kHypotheses) {
+      const int hypotheses = std::min(CodeBlock::kHypotheses, count - first);
+      evaluator.evaluate(makeBlock(columns, first, hypotheses), hypotheses, &costs[first]);
+    }
     EXPECT_EQ(costs.back(), 42) << "wrote behind the end";
     costs.pop_back();
     EXPECT_EQ(costs, expected);

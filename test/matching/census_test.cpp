@@ -12,8 +12,10 @@ TEST_P(CensusTest, EqualsHammingDistanceOfComparisons) {
   const MatchingPair pair = makePair(shape, content);
   expectCosts<std::uint8_t, CensusMatcher>(
       pair, shape, 0,
-      [range = shape.range](const CensusMatcher& matcher, int y, CostRow<std::uint8_t>& costs) {
-        matcher.computeRow(y, range, costs);
+      [](const CensusMatcher& matcher, int y, const RowEntries& entries,
+         CostRow<std::uint8_t>& costs) {
+        CensusMatcher::Scratch scratch;
+        matcher.computeRow(y, entries, scratch, costs);
       },
       [&](int y, int x, int x_right) {
         int distance = 0;

@@ -39,9 +39,9 @@ TEST_P(NccTest, EqualsDefinition) {
   const MatchingPair pair = makePair(shape, content);
   expectCosts<float, NccMatcher>(
       pair, shape, 2e-6,
-      [range = shape.range](const NccMatcher& matcher, int y, CostRow<float>& costs) {
+      [](const NccMatcher& matcher, int y, const RowEntries& entries, CostRow<float>& costs) {
         NccMatcher::Scratch scratch;
-        matcher.computeRow(y, range, scratch, costs);
+        matcher.computeRow(y, entries, scratch, costs);
       },
       [&](int y, int x, int x_right) { return naiveNccCost(pair, y, x, x_right); });
 }

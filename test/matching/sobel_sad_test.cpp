@@ -23,9 +23,10 @@ TEST_P(SobelSadTest, EqualsDefinition) {
   const MatchingPair pair = makePair(shape, content);
   expectCosts<std::uint16_t, SobelSadMatcher>(
       pair, shape, 0,
-      [range = shape.range](const SobelSadMatcher& matcher, int y, CostRow<std::uint16_t>& costs) {
+      [](const SobelSadMatcher& matcher, int y, const RowEntries& entries,
+         CostRow<std::uint16_t>& costs) {
         SobelSadMatcher::Scratch scratch;
-        matcher.computeRow(y, range, scratch, costs);
+        matcher.computeRow(y, entries, scratch, costs);
       },
       [&](int y, int x, int x_right) {
         double sum = 0;

@@ -25,10 +25,10 @@ TEST_P(ZeroMeanSadTest, EqualsDefinition) {
   const MatchingPair pair = makePair(shape, content);
   expectCosts<std::uint16_t, ZeroMeanSadMatcher>(
       pair, shape, 0,
-      [range = shape.range](const ZeroMeanSadMatcher& matcher, int y,
-                            CostRow<std::uint16_t>& costs) {
+      [](const ZeroMeanSadMatcher& matcher, int y, const RowEntries& entries,
+         CostRow<std::uint16_t>& costs) {
         ZeroMeanSadMatcher::Scratch scratch;
-        matcher.computeRow(y, range, scratch, costs);
+        matcher.computeRow(y, entries, scratch, costs);
       },
       [&](int y, int x, int x_right) {
         const double mean_left = windowMean(pair.left, y, x);
@@ -58,8 +58,8 @@ TEST(ZeroMeanSad, LargestCostFits) {
   matcher.prepare(pair.padded_left, pair.padded_right);
   ZeroMeanSadMatcher::Scratch scratch;
   CostRow<std::uint16_t> costs;
-  matcher.computeRow(5, {0, 1}, scratch, costs);
-  EXPECT_EQ(costs.line(0)[4], 4 * (15 * (255 - 51) + 10 * (255 + 51)));
+  matcher.computeRow(5, allEntries({11, 11, {0, 1}}), scratch, costs);
+  EXPECT_EQ(costs.entry(0)[4], 4 * (15 * (255 - 51) + 10 * (255 + 51)));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "cbmv_stereo/matching/cost_row.h"
 #include "cbmv_stereo/matching/padded_image.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv::test {
 
@@ -55,6 +56,22 @@ void forHypotheses(const Shape& shape, const Visit& visit) {
   }
 }
 
+/// All hypotheses of a row of the shape.
+inline RowEntries allEntries(const Shape& shape) {
+  SearchSpace row;
+  row.buildExhaustive(1, shape.width, shape.range);
+  RowEntries entries;
+  entries.build(row, 0);
+  return entries;
+}
+
+/// Number of column x at disparity range.min + i, which has its match inside, among all hypotheses
+/// of the row, place by place.
+inline std::size_t hypothesisOf(const RowEntries& entries, int i, int x) {
+  const int first = entries.places(i).begin;
+  return static_cast<std::size_t>(first * kTileColumns + x - entries.entries()[first].column);
+}
+
 /// Costs of the whole pair, prepared and matched by `Matcher`, in the order of forHypotheses.
 template <typename Cost, typename Matcher, typename ComputeRow>
 std::vector<Cost> computeCosts(const MatchingPair& pair, const Shape& shape,
@@ -62,11 +79,14 @@ std::vector<Cost> computeCosts(const MatchingPair& pair, const Shape& shape,
   Matcher matcher;
   matcher.prepare(pair.padded_left, pair.padded_right);
   std::vector<CostRow<Cost>> rows(shape.height);
+  const RowEntries entries = allEntries(shape);
   for (int y = 0; y < shape.height; ++y) {
-    compute_row(matcher, y, rows[y]);
+    compute_row(matcher, y, entries, rows[y]);
   }
   std::vector<Cost> costs;
-  forHypotheses(shape, [&](int y, int i, int x, int) { costs.push_back(rows[y].line(i)[x]); });
+  forHypotheses(shape, [&](int y, int i, int x, int) {
+    costs.push_back(rows[y].entry(0)[hypothesisOf(entries, i, x)]);
+  });
   return costs;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/matching_reference.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
@@ -22,21 +23,26 @@ MatchingVolume buildVolume(const Shape& shape, const Forest& forest) {
 
 class VolumeBuilderTest : public testing::TestWithParam<Shape> {};
 
-/// Expects the volume to hold `cost_of(features, x)` of each hypothesis inside.
+/// Expects the volume to hold `cost_of(features, h)` of each hypothesis inside, number h of its
+/// disparity.
 template <typename CostOf>
 void expectCosts(const Shape& shape, const MatchingVolume& volume, const CostOf& cost_of) {
   MatcherSet matchers;
   matchers.prepare(makeGrey(shape.size(), Content::kPatches, 1),
                    makeGrey(shape.size(), Content::kPatches, 2));
+  const RowEntries entries = allEntries(shape);
   RowFeatures features;
   for (int y = 0; y < shape.height; ++y) {
-    features.prepareRow(matchers, y, shape.width, shape.range);
+    features.prepareRow(matchers, y, shape.width, entries);
     for (int i = 0; i < shape.range.count; ++i) {
-      features.compute(i);
+      const PlaceSpan places = entries.places(i);
+      features.compute(places);
       for (int x = 0; x < shape.width; ++x) {
         const int x_right = x - shape.range.min - i;
         const bool inside = x_right >= 0 && x_right < shape.width;
-        ASSERT_EQ(volume.pixel(y, x)[i], inside ? cost_of(features, x) : kOutsideCost)
+        ASSERT_EQ(
+            volume.pixel(y, x)[i],
+            inside ? cost_of(features, x - entries.entries()[places.begin].column) : kOutsideCost)
             << "y " << y << " x " << x << " i " << i;
       }
     }
@@ -45,10 +51,10 @@ void expectCosts(const Shape& shape, const MatchingVolume& volume, const CostOf&
 
 TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
   const Forest forest = makeForest(30, 6, 5);
-  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int x) {
+  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int h) {
     return naiveForestCost(forest, [&](int f) {
       const CodeMap& map = forest.quantizer.maps[f];
-      return std::clamp(std::floor(map.scale * row.line(f)[x] + map.offset), 0.0F, 255.0F);
+      return std::clamp(std::floor(map.scale * row.line(f)[h] + map.offset), 0.0F, 255.0F);
     });
   });
 }
@@ -56,8 +62,8 @@ TEST_P(VolumeBuilderTest, HoldsTheForestsAnswerToEachHypothesis) {
 TEST_P(VolumeBuilderTest, HoldsTheAnswerOfGeneralTrees) {
   Forest forest = makeGeneralForest(30, 40, 5);
   forest.output = ForestOutput::kProbability;  // sums of leaves are exact, so costs are too
-  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int x) {
-    const double probability = naiveProbability(forest, [&](int f) { return row.line(f)[x]; });
+  expectCosts(GetParam(), buildVolume(GetParam(), forest), [&](const RowFeatures& row, int h) {
+    const double probability = naiveProbability(forest, [&](int f) { return row.line(f)[h]; });
     return static_cast<std::uint8_t>(std::lround(255 * (1 - probability)));
   });
 }

@@ -6,7 +6,8 @@
 
 #include "cbmv_stereo/matching/cost_row.h"
 #include "cbmv_stereo/matching/matcher_set.h"
-#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/matching/row_entries.h"
+#include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
 
@@ -17,8 +18,8 @@ namespace cbmv {
 ///   kCost              C for census, log(C + ε) for the others
 ///   kRatioLow, -High   log R = log(c_min + ε) − log(C + ε)
 ///   kLikelihoodLow, -High   log L = −(C − c_min)² / 2σ² − log Σ_i exp(−(C_i − c_min)² / 2σ²)
-/// where c_min and the sum run over all hypotheses of the left pixel, respectively of the right
-/// one, whose match lies inside of the other image.
+/// where c_min and the sum run over all hypotheses of the search space of the left pixel,
+/// respectively of the right one, whose match lies inside of the other image.
 enum Feature { kCost, kRatioLow, kRatioHigh, kLikelihoodLow, kLikelihoodHigh };
 constexpr int kFeaturesPerMatcher = 5;
 constexpr int kFeatureCount = kMatcherCount * kFeaturesPerMatcher;
@@ -42,34 +43,40 @@ constexpr std::array<MatcherConstants, kMatcherCount> kMatcherConstants = {{
     {1.0F, 0.01F, 20000.0F, true},                                      // Sobel SAD
 }};
 
-/// What the confidences need of a pixel of one view, for one matcher; a value a column.
+/// What the confidences need of a pixel of one view, for one matcher; a value a column. Column x
+/// has the number kBefore + x: entries that lie partly outside of an image reach beyond its
+/// columns.
 struct PixelTerms {
-  std::vector<float> lowest_cost;      ///< c_min
-  std::vector<float> log_lowest_cost;  ///< log(c_min + ε)
-  std::vector<float> log_sum;          ///< log Σ exp(−(C − c_min)² / 2σ²)
+  static constexpr int kBefore = kTileColumns;
+  using Line = std::vector<float, CacheLineAllocator<float>>;
+
+  Line lowest_cost;      ///< c_min
+  Line log_lowest_cost;  ///< log(c_min + ε)
+  Line log_sum;          ///< log Σ exp(−(C − c_min)² / 2σ²)
 
   /// Makes room for `width` columns.
   void reserve(int width);
+  /// No hypothesis yet.
+  void reset(int width);
 };
 
-/// Terms of all pixels of a row in both views. Columns without any hypothesis inside hold
-/// unspecified values.
+/// Terms of all pixels of a row in both views. Columns without any hypothesis, and those outside of
+/// the image, hold unspecified values.
 struct RowTerms {
   PixelTerms left;
   PixelTerms right;
 };
 
-/// Computes `terms` of one matcher from its costs of a row of `width` columns; from those of `spans`
-/// alone where they are given.
-void computeRowTerms(const CostRowPointer& costs, int width, const DisparityRange& range,
-                     const MatcherConstants& constants, RowTerms& terms,
-                     const RowSpans* spans = nullptr);
+/// Computes `terms` of one matcher from its costs of a row of `width` columns.
+void computeRowTerms(const CostRowPointer& costs, const RowEntries& entries, int width,
+                     const MatcherConstants& constants, RowTerms& terms);
 
-/// The features of one matcher at one disparity: `values[feature]` points to `width` values, of
-/// which those in matchedColumns(width, range.min + i) are written.
+/// The features of one matcher at some places: `values[feature]` points to a value for every column
+/// of their entries, [place − places.begin][column of the tile]. Columns outside of one of the
+/// images hold unspecified values.
 using FeatureLines = std::array<float*, kFeaturesPerMatcher>;
-void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, int width,
-                     const DisparityRange& range, int i, const MatcherConstants& constants,
+void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                     const PlaceSpan& places, const MatcherConstants& constants,
                      const FeatureLines& values);
 
 /// Linear map of a feature to codes 0 … 255 (values beyond are cut off):
@@ -78,7 +85,6 @@ struct CodeMap {
   float scale = 1;
   float offset = 0;
 };
-using MatcherCodeMaps = std::array<CodeMap, kFeaturesPerMatcher>;
 
 /// The maps of all features. Low and high of a confidence share one map.
 struct FeatureQuantizer {
@@ -88,18 +94,20 @@ struct FeatureQuantizer {
 /// Codes of `count` values.
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes);
 
-/// The codes of what computeFeatures computes, without the way through memory.
-using CodeLines = std::array<std::uint8_t*, kFeaturesPerMatcher>;
-void computeCodes(const CostRowPointer& costs, const RowTerms& terms, int width,
-                  const DisparityRange& range, int i, const MatcherConstants& constants,
-                  const MatcherCodeMaps& maps, const CodeLines& codes);
+/// Codes of the features of some hypotheses, as the forest takes them: few enough for the
+/// first-level cache, and minus 128, since signed bytes compare fastest.
+struct CodeBlock {
+  static constexpr int kPlaces = 16;
+  static constexpr int kHypotheses = kPlaces * kTileColumns;
+  using Line = std::array<std::int8_t, kHypotheses>;
 
-/// The same of the columns `span` alone, which lie inside of matchedColumns(width, range.min + i).
-void computeFeaturesInSpan(const CostRowPointer& costs, const RowTerms& terms,
-                           const ColumnSpan& span, const DisparityRange& range, int i,
-                           const MatcherConstants& constants, const FeatureLines& values);
-void computeCodesInSpan(const CostRowPointer& costs, const RowTerms& terms, const ColumnSpan& span,
-                        const DisparityRange& range, int i, const MatcherConstants& constants,
-                        const MatcherCodeMaps& maps, const CodeLines& codes);
+  alignas(64) std::array<Line, kFeatureCount> lines;  ///< by feature
+};
+
+/// The codes of what computeFeatures computes, without the way through memory; of at most
+/// CodeBlock::kPlaces places. `maps` and `lines` are the kFeaturesPerMatcher ones of the matcher.
+void computeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
+                  const PlaceSpan& places, const MatcherConstants& constants, const CodeMap* maps,
+                  CodeBlock::Line* lines);
 
 }  // namespace cbmv

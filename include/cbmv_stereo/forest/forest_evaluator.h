@@ -14,18 +14,16 @@ namespace cbmv {
 struct PackedTree {
   int depth = 0;  ///< at least kLeastDepth
   std::array<std::uint32_t, Forest::kMaxDepth>
-      lines{};  ///< feature · kBlock: where its codes begin
+      lines{};  ///< where the feature's codes begin in a CodeBlock
   std::array<std::int8_t, Forest::kMaxDepth> thresholds{};  ///< minus 128
   /// Indexed by the answers to "code < threshold", level k in bit k; minus the lowest leaf.
   std::array<std::uint8_t, 1 << Forest::kMaxDepth> leaves{};
 
   /// A table look-up by bytes reads 2⁴ leaves at once; levels that always answer "no" fill up.
   static constexpr int kLeastDepth = 4;
-  /// Hypotheses whose codes are kept together in the first-level cache; a multiple of four vectors.
-  static constexpr int kBlock = 256;
 };
 
-/// Applies a forest to rows of features: oblivious trees to codes, with the widest vectors that the
+/// Applies a forest to features: oblivious trees to codes, with the widest vectors that the
 /// machine has, general trees to values. Built once from a Forest, then read by any number of
 /// threads. `costs[i]` becomes the matching cost of hypothesis i: 1 − probability, times 255,
 /// rounded (Batsos et al. 2018, section 3.3).
@@ -36,9 +34,8 @@ class ForestEvaluator {
   /// The trees are general ones: they want values, not codes.
   bool wantsValues() const { return !walker_.empty(); }
 
-  /// `codes[f]` points to `count` codes of feature f; for oblivious trees.
-  void evaluate(const std::array<const std::uint8_t*, kFeatureCount>& codes, int count,
-                std::uint8_t* costs) const;
+  /// Of the first `count` hypotheses of the block; for oblivious trees.
+  void evaluate(const CodeBlock& codes, int count, std::uint8_t* costs) const;
 
   /// `values[f]` points to `count` values of feature f; for general trees.
   void evaluate(const std::array<const float*, kFeatureCount>& values, int count,

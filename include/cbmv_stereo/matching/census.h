@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/matching/census_transform.h"
 #include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv {
 
@@ -16,15 +18,22 @@ class CensusMatcher {
   static constexpr int kWindowPx = 11;
   static constexpr int kBytes = (kWindowPx * kWindowPx - 1) / 8;  ///< one bit a neighbour
 
-  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    std::vector<std::uint8_t> left;  ///< [byte][x]
+    std::vector<std::uint8_t> right;
+    void resize(int width);
+  };
+
+  /// Takes a pair, which has to stay as it is while rows are computed. Both CV_8UC1, extended by
+  /// padImage.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y, in [0, 120]; of `spans` alone where they are given.
-  void computeRow(int y, const DisparityRange& range, CostRow<std::uint8_t>& costs,
-                  const RowSpans* spans = nullptr) const;
+  /// Costs of the entries of row y, in [0, 120].
+  void computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                  CostRow<std::uint8_t>& costs) const;
 
  private:
-  int width_ = 0;
   CensusTransform left_;
   CensusTransform right_;
 };

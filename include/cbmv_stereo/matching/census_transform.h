@@ -8,26 +8,25 @@
 
 namespace cbmv {
 
-/// Census transform of an image: which neighbours of a pixel, in a window around it, are darker
-/// than the pixel itself (Zabih & Woodfill 1994). One bit a neighbour in raster order, eight to a
-/// byte, laid out [y][byte][x]; bits behind the last neighbour are 0.
+/// Census transform of an image, row by row: which neighbours of a pixel, in a window around it, are
+/// darker than the pixel itself (Zabih & Woodfill 1994). One bit a neighbour in raster order, eight
+/// to a byte; bits behind the last neighbour are 0.
 class CensusTransform {
  public:
-  /// `padded` is CV_8UC1, extended by padImage; the sides of `window` are odd, at most
-  /// 2 · kMatchingBorderPx + 1. Parallel over rows by oneTBB.
-  void compute(const cv::Mat& padded, cv::Size window);
+  /// Takes an image, which has to stay as it is while rows are computed. `padded` is CV_8UC1,
+  /// extended by padImage; the sides of `window` are odd, at most 2 · kMatchingBorderPx + 1.
+  void prepare(const cv::Mat& padded, cv::Size window);
 
   /// Of a pixel.
-  int bytes() const { return bytes_; }
-  /// Byte k of the pixels of a row, from column 0 on.
-  const std::uint8_t* row(int y, int k = 0) const {
-    return bits_.data() + (static_cast<std::size_t>(y) * bytes_ + k) * width_;
-  }
+  int bytes() const { return (static_cast<int>(neighbour_distances_.size()) + 7) / 8; }
+  int width() const { return width_; }
+
+  /// Byte k of column x of row y becomes bits[k · width() + x].
+  void computeRow(int y, std::uint8_t* bits) const;
 
  private:
+  cv::Mat padded_;
   int width_ = 0;
-  int bytes_ = 0;
-  std::vector<std::uint8_t> bits_;
   std::vector<std::ptrdiff_t> neighbour_distances_;  ///< in memory, in raster order
 };
 

@@ -6,7 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/volume/search_space.h"
+#include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
 
@@ -22,62 +23,29 @@ inline ColumnSpan matchedColumns(int width, int d) {
   return {std::max(0, d), std::min(width, width + d)};
 }
 
-/// The hypotheses of a row that are matched: for each disparity of a range, spans of columns.
-class RowSpans {
- public:
-  /// Begins anew, without a span.
-  void reset(int disparities) {
-    spans_.resize(disparities);
-    for (std::vector<ColumnSpan>& spans : spans_) {
-      spans.clear();
-    }
-  }
-  /// Adds columns at disparity range.min + i, behind those that it has; neighbours become one span.
-  void add(int i, const ColumnSpan& span) {
-    std::vector<ColumnSpan>& spans = spans_[i];
-    if (!spans.empty() && spans.back().end == span.begin) {
-      spans.back().end = span.end;
-    } else if (!span.empty()) {
-      spans.push_back(span);
-    }
-  }
-  const std::vector<ColumnSpan>& of(int i) const { return spans_[i]; }
-
- private:
-  std::vector<std::vector<ColumnSpan>> spans_;
-};
-
-/// Calls use(span) with the spans of disparity range.min + i; without `spans`, with all columns whose
-/// match lies inside of the right image.
-template <typename Use>
-void forSpans(const RowSpans* spans, int width, const DisparityRange& range, int i,
-              const Use& use) {
-  if (spans == nullptr) {
-    use(matchedColumns(width, range.min + i));
-  } else {
-    for (const ColumnSpan& span : spans->of(i)) {
-      use(span);
-    }
-  }
-}
-
-/// Matching costs of all hypotheses of one image row, laid out [d][x] with x contiguous: for one d,
-/// neighbours of both views are neighbours in memory. Line i stands for d = range.min + i; outside
-/// of matchedColumns(width, d) its values are unspecified. `Cost` is the narrowest type that holds
-/// a matcher's costs.
+/// Matching costs of the hypotheses of one image row, laid out [place][column of the tile] (see
+/// RowEntries): for one disparity, neighbors of both views are neighbors in memory. Costs of
+/// hypotheses whose match lies outside of the right image are unspecified. `Cost` is the narrowest
+/// type that holds a matcher's costs. kWritableBeyond costs behind the last one may be written.
 template <typename Cost>
 class CostRow {
  public:
-  void resize(int width, int disparities) {
-    width_ = width;
-    costs_.resize(static_cast<std::size_t>(width) * disparities);
+  static constexpr std::size_t kWritableBeyond = 64;
+
+  /// Makes room for so many entries. Contents are unspecified afterwards. Never gives memory back.
+  void resize(std::size_t entries) {
+    const std::size_t size = entries * kTileColumns + kWritableBeyond;
+    if (costs_.size() < size) {
+      costs_.resize(size);
+    }
   }
-  Cost* line(int i) { return costs_.data() + static_cast<std::size_t>(i) * width_; }
-  const Cost* line(int i) const { return costs_.data() + static_cast<std::size_t>(i) * width_; }
+  Cost* entry(int place) { return costs_.data() + static_cast<std::size_t>(place) * kTileColumns; }
+  const Cost* entry(int place) const {
+    return costs_.data() + static_cast<std::size_t>(place) * kTileColumns;
+  }
 
  private:
-  int width_ = 0;
-  std::vector<Cost> costs_;
+  std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
 /// A row of costs of any matcher.

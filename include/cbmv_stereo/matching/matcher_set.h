@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bitset>
+#include <cstddef>
 #include <cstdint>
 
 #include <opencv2/core.hpp>
@@ -9,6 +10,7 @@
 #include "cbmv_stereo/matching/census.h"
 #include "cbmv_stereo/matching/cost_row.h"
 #include "cbmv_stereo/matching/ncc.h"
+#include "cbmv_stereo/matching/row_entries.h"
 #include "cbmv_stereo/matching/sobel_sad.h"
 #include "cbmv_stereo/matching/zero_mean_sad.h"
 
@@ -31,8 +33,8 @@ struct MatcherCosts {
   CostRow<std::uint16_t> zero_mean_sad;
   CostRow<std::uint16_t> sobel_sad;
 
-  /// Makes room for a row by the matchers `used`.
-  void resize(int width, int disparities, const MatcherSelection& used);
+  /// Makes room for so many entries by the matchers `used`.
+  void resize(std::size_t entries, const MatcherSelection& used);
 
   /// In the order of Matcher.
   std::array<CostRowPointer, kMatcherCount> rows() const {
@@ -45,6 +47,7 @@ class MatcherSet {
  public:
   /// Memory for one row at a time; one per thread.
   struct Scratch {
+    CensusMatcher::Scratch census;
     NccMatcher::Scratch ncc;
     ZeroMeanSadMatcher::Scratch zero_mean_sad;
     SobelSadMatcher::Scratch sobel_sad;
@@ -57,10 +60,10 @@ class MatcherSet {
   void prepare(const cv::Mat& left, const cv::Mat& right,
                const MatcherSelection& used = allMatchers());
 
-  /// Costs of row y by the matchers `used`, all of them prepared; those of the others stay as they
-  /// are. Of `spans` alone where they are given.
-  void computeRow(int y, const DisparityRange& range, const MatcherSelection& used,
-                  Scratch& scratch, MatcherCosts& costs, const RowSpans* spans = nullptr) const;
+  /// Costs of the entries of row y by the matchers `used`, all of them prepared; those of the
+  /// others stay as they are.
+  void computeRow(int y, const RowEntries& entries, const MatcherSelection& used, Scratch& scratch,
+                  MatcherCosts& costs) const;
 
  private:
   cv::Mat padded_left_;

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv {
 
@@ -16,38 +18,43 @@ class NccMatcher {
  public:
   static constexpr int kWindowPx = 3;
 
-  /// Memory for one row at a time; one per thread.
-  struct Scratch {
-    std::vector<float> column_sums;  ///< of the columns −1 … width
-    void resize(int width) { column_sums.resize(static_cast<std::size_t>(width) + 2); }
-  };
-
-  /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
-  void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
-
-  /// Costs of row y; of `spans` alone where they are given.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch, CostRow<float>& costs,
-                  const RowSpans* spans = nullptr) const;
+  /// The pixels of the window's rows; pointers to column 0.
+  using Pixels = std::array<const std::uint8_t*, kWindowPx>;
+  using Rows = std::array<const float*, kWindowPx>;
 
   /// What is known of the windows of one row; pointers to column 0.
-  using Rows = std::array<const float*, kWindowPx>;
   struct Windows {
-    Rows rows;  ///< the pixels
-    const float* sums;
-    const float* inverse_deviations;
+    Rows rows;                        ///< the pixels
+    const float* sums;                ///< of the pixels of the window
+    const float* inverse_deviations;  ///< 1 / sqrt(9 Σ v² − (Σ v)²); 0 without texture
   };
+
+  /// Memory for a row of one view.
+  struct View {
+    std::array<std::vector<float>, kWindowPx> rows;  ///< of the columns −1 … width
+    std::vector<float> sums;
+    std::vector<float> inverse_deviations;
+    void resize(int width);
+  };
+
+  /// Memory for one row at a time; one per thread.
+  struct Scratch {
+    View left;
+    View right;
+    std::vector<float> column_sums;  ///< of the columns −1 … width
+    void resize(int width);
+  };
+
+  /// Takes a pair, which has to stay as it is while rows are computed. Both CV_8UC1, extended by
+  /// padImage.
+  void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
+
+  /// Costs of the entries of row y.
+  void computeRow(int y, const RowEntries& entries, Scratch& scratch, CostRow<float>& costs) const;
 
  private:
-  struct WindowStatistics {
-    cv::Mat padded;              ///< CV_32FC1: the image
-    cv::Mat sums;                ///< CV_32FC1: sum of the window
-    cv::Mat inverse_deviations;  ///< CV_32FC1: 1 / sqrt(9 Σ v² − (Σ v)²); 0 without texture
-    Windows row(int y) const;
-  };
-  static void prepareImage(const cv::Mat& padded, WindowStatistics& statistics);
-
-  WindowStatistics left_;
-  WindowStatistics right_;
+  cv::Mat padded_left_;
+  cv::Mat padded_right_;
 };
 
 }  // namespace cbmv

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/matching/cost_row.h"
+#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv {
 
@@ -30,9 +31,9 @@ class ZeroMeanSadMatcher {
   /// Prepares a pair. Both CV_8UC1, extended by padImage. Parallel over rows by oneTBB.
   void prepare(const cv::Mat& padded_left, const cv::Mat& padded_right);
 
-  /// Costs of row y.
-  void computeRow(int y, const DisparityRange& range, Scratch& scratch,
-                  CostRow<std::uint16_t>& costs, const RowSpans* spans = nullptr) const;
+  /// Costs of the entries of row y.
+  void computeRow(int y, const RowEntries& entries, Scratch& scratch,
+                  CostRow<std::uint16_t>& costs) const;
 
   /// What is known of the windows of one row, in quarters of a grey level; pointers to column 0.
   using Rows = std::array<const std::int16_t*, kWindowPx>;

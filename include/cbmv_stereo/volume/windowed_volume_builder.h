@@ -20,9 +20,9 @@ class WindowedVolumeBuilder {
   WindowedVolumeBuilder(const WindowedVolumeBuilder&) = delete;
   WindowedVolumeBuilder& operator=(const WindowedVolumeBuilder&) = delete;
 
-  /// `left` and `right` are CV_8UC1 of the size of the space. Hypotheses whose match lies outside of
-  /// the right image, and columns beyond the image, hold kOutsideCost. With an exhaustive space the
-  /// costs are those of VolumeBuilder. Parallel over rows by oneTBB.
+  /// `left` and `right` are CV_8UC1 of the size of the space. Hypotheses whose match lies outside
+  /// of the right image, and columns beyond the image, hold kOutsideCost. With an exhaustive space
+  /// the costs are those of VolumeBuilder. Parallel over rows by oneTBB.
   void build(const cv::Mat& left, const cv::Mat& right, const SearchSpace& space,
              const Forest& forest, const ForestEvaluator& evaluator,
              WindowedMatchingVolume& volume);
