@@ -220,24 +220,5 @@ void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolu
   });
 }
 
-void readWindowedConfidence(const SearchSpace& space, const WindowedMatchingVolume& costs,
-                            const cv::Mat& winners, cv::Mat& confidence) {
-  confidence.create(winners.size(), CV_32FC1);
-  tbb::parallel_for(0, space.height(), [&](int y) {
-    const auto* disparities = winners.ptr<float>(y);
-    auto* out = confidence.ptr<float>(y);
-    for (int x = 0; x < space.width(); ++x) {
-      const SearchSpace::Tile tile = space.tile(y, x / kTileColumns);
-      const auto index = static_cast<std::int16_t>(disparities[x] - space.range().min);
-      const auto* found = std::lower_bound(tile.indices, tile.indices + tile.count, index);
-      const bool is_known = index >= 0 && found != tile.indices + tile.count && *found == index;
-      const std::size_t entry = tile.first_entry + static_cast<std::size_t>(found - tile.indices);
-      out[x] = is_known
-                   ? 1.0F - static_cast<float>(costs.entry(entry)[x % kTileColumns]) / 255.0F
-                   : 0.0F;
-    }
-  });
-}
-
 }  // namespace cbmv
 #endif  // HWY_ONCE

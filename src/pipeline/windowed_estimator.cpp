@@ -12,9 +12,9 @@
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/windowed_aggregation.h"
 #include "cbmv_stereo/optimization/windowed_sgm.h"
+#include "cbmv_stereo/optimization/windowed_winner_maps.h"
 #include "cbmv_stereo/optimization/windowed_winners.h"
 #include "cbmv_stereo/refinement/disparity_refiner.h"
-#include "cbmv_stereo/refinement/windowed_subpixel.h"
 #include "cbmv_stereo/volume/windowed_right_view.h"
 
 namespace cbmv {
@@ -52,12 +52,8 @@ class WindowedEstimator::Impl {
     optimize(View::kLeft, space, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
-      windowedWinners(space, *optimized_, View::kLeft, winners_);
-      readWindowedConfidence(space, volume, winners_, result.confidence);
-      winners_.copyTo(result.disparity);
-      if (options_.refinement.subpixel) {
-        refineWindowedSubpixel(space, *optimized_, View::kLeft, result.disparity);
-      }
+      windowedWinnerMaps(space, *optimized_, volume, options_.refinement.subpixel,
+                         {winners_, result.disparity, result.confidence});
     }
     findRightWinners(space, volume, result);
     const Stopwatch watch(result.times.refinement_ms);

@@ -10,6 +10,10 @@
 namespace cbmv {
 namespace {
 
+/// What right pixels say of a left column, as bits.
+constexpr std::uint8_t kAgrees = 1;   ///< at one of the disparities of the range
+constexpr std::uint8_t kMatchOf = 2;  ///< of a right pixel whose disparity lies inside of the range
+
 /// The disparities of the right view along one row.
 struct RightRow {
   const float* disparity;
@@ -28,8 +32,34 @@ struct RightRow {
            std::abs(left_disparity - disparity[column]) <= max_difference_px;
   }
 
-  /// Sets marks[x] for the left image's columns x that agree with the right one's `column` at one
-  /// of the range's whole disparities, x − column.
+  /// Marks of a row of the left image, which are 0 before. Most right disparities are whole and
+  /// inside of the range: then only the column that they match is marked, and those up to
+  /// matchReach() beside it agree, too.
+  void markRow(std::uint8_t* marks) const {
+    const RightRow row = *this;  // a store of a byte may change any member
+    const auto lowest = static_cast<float>(row.range.min);
+    const auto highest = static_cast<float>(row.range.max());
+    for (int column = 0; column < row.width; ++column) {
+      const float d = row.disparity[column];
+      const auto whole = static_cast<int>(std::min(std::max(d, lowest), highest));
+      const int x = column + whole;
+      if (static_cast<float>(whole) == d && d > lowest && d < highest && x >= 0 && x < row.width &&
+          row.matchReach() >= 0) {
+        marks[x] |= kMatchOf;
+      } else {
+        row.markAgreeing(column, marks);
+      }
+    }
+  }
+
+  /// −1: no column is marked as a match.
+  int matchReach() const {
+    return max_difference_px >= 0 && max_difference_px < 2 ? static_cast<int>(max_difference_px)
+                                                           : -1;
+  }
+
+  /// Sets kAgrees for the left image's columns that agree with the right one's `column` at one
+  /// of the range's whole disparities.
   void markAgreeing(int column, std::uint8_t* marks) const {
     const float d = disparity[column];
     const float lowest = d - max_difference_px;
@@ -47,10 +77,24 @@ struct RightRow {
     const float limit = max_difference_px;  // a store of a byte may change any member
     for (int x = first; x <= last; ++x) {
       const float difference = std::abs(static_cast<float>(x - column) - d);
-      marks[x] |= static_cast<std::uint8_t>(difference <= limit);
+      marks[x] |= difference <= limit ? kAgrees : 0;
     }
   }
 };
+
+/// `labels` holds the marks of the row and becomes its labels.
+void labelRow(const float* left, const RightRow& right, std::uint8_t* labels) {
+  const bool reaches_neighbours = right.matchReach() == 1;
+  std::uint8_t before = 0;
+  for (int x = 0; x < right.width; ++x) {
+    const std::uint8_t here = labels[x];
+    const std::uint8_t after = x + 1 < right.width ? labels[x + 1] : std::uint8_t{0};
+    const int beside = reaches_neighbours ? (before | after) & kMatchOf : 0;
+    const Label other = (here | beside) == 0 ? kOcclusion : kMismatch;
+    labels[x] = left[x] != right.range.invalid() && right.agrees(x, left[x]) ? kMatch : other;
+    before = here;
+  }
+}
 
 }  // namespace
 
@@ -65,13 +109,8 @@ void leftRightCheck(const cv::Mat& left_disparity, const cv::Mat& right_disparit
       const RightRow right{right_disparity.ptr<float>(y), labels.cols, range, max_difference_px};
       auto* out = labels.ptr<std::uint8_t>(y);
       std::fill_n(out, labels.cols, 0);
-      for (int x = 0; x < labels.cols; ++x) {
-        right.markAgreeing(x, out);
-      }
-      for (int x = 0; x < labels.cols; ++x) {
-        const Label other = out[x] == 0 ? kOcclusion : kMismatch;
-        out[x] = left[x] != range.invalid() && right.agrees(x, left[x]) ? kMatch : other;
-      }
+      right.markRow(out);
+      labelRow(left, right, out);
     }
   });
 }

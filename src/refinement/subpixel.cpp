@@ -6,9 +6,24 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "parabola.h"
-
 namespace cbmv {
+namespace {
+
+/// Minimum of the parabola through the costs at −1, 0 and 1; 0 where they have no strict minimum at
+/// 0.
+float parabolaMinimum(int before, int here, int after) {
+  const int curvature = before - 2 * here + after;
+  if (here > before || here > after || curvature == 0) {
+    return 0;
+  }
+  return static_cast<float>(before - after) / static_cast<float>(2 * curvature);
+}
+
+/// Whether the column is one of an image of that width.
+bool isColumn(int x, int width) { return x >= 0 && x < width; }
+
+}  // namespace
+
 void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity) {
   CV_Assert(disparity.type() == CV_32FC1 && costs.disparities() == range.count);

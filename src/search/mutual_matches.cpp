@@ -92,9 +92,8 @@ HWY_INLINE void scanColumns(const std::uint8_t* columns, std::ptrdiff_t pitch, i
   for (int i = 0; i < range.count; ++i) {
     const int d = range.min + i;
     const std::uint8_t* sums = columns + i * pitch;
-    const auto sum = [&](int dx) HWY_ATTR {
-      return hn::PromoteTo(tag, hn::LoadU(bytes, sums + dx));
-    };
+    const auto sum = [&](int dx)
+                         HWY_ATTR { return hn::PromoteTo(tag, hn::LoadU(bytes, sums + dx)); };
     auto cost = hn::Add(hn::Add(sum(-1), sum(0)), sum(1));
     if (x < d || x + lanes > std::min(width, width + d)) {
       cost = hn::IfThenElse(isInside(tag, x, width, d), cost, hn::Set(tag, kNoCost));
@@ -195,7 +194,8 @@ class RowScanner {
   void fill(const CensusTransform& left, const CensusTransform& right, int y) {
     left.computeRow(y, left_bits_.data());
     right.computeRow(y, right_bits_.data());
-    const CensusRows rows{left_bits_.data(), right_bits_.data(), width_, range_, pitch_, row(y) + kVector};
+    const CensusRows rows{left_bits_.data(), right_bits_.data(), width_, range_, pitch_,
+                          row(y) + kVector};
     HWY_DYNAMIC_DISPATCH(computeDistances)(rows);
   }
 
@@ -209,8 +209,7 @@ class RowScanner {
       const int index = winners.index[x];
       const bool is_clear = winners.second_cost[x] != kNoCost &&
                             100U * winners.cost[x] < 99U * winners.second_cost[x];
-      const bool is_mutual =
-          std::abs(winners.right_index[x - range_.min - index] - index) <= 1;
+      const bool is_mutual = std::abs(winners.right_index[x - range_.min - index] - index) <= 1;
       matches[x] = is_clear && is_mutual ? static_cast<std::int16_t>(index) : kNoMatch;
     }
   }

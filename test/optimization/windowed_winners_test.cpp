@@ -10,7 +10,6 @@
 #include "support/random_search_space.h"
 #include "support/simd_targets.h"
 
-#include "cbmv_stereo/refinement/windowed_subpixel.h"
 #include "cbmv_stereo/volume/windowed_right_view.h"
 
 namespace cbmv {
@@ -113,48 +112,6 @@ TEST(WindowedWinners, AcrossEqualPlainLoopsOnEveryInstructionSet) {
         ASSERT_EQ(found.at<float>(y, x), space.range().min + best) << y << ", " << x;
       });
     });
-  });
-}
-
-TEST(WindowedConfidence, IsThatOfTheWinner) {
-  forSpaces([](const SearchSpace& space) {
-    const auto costs = randomCosts<std::uint16_t>(space, 5, 1000);
-    const auto matching = randomCosts<std::uint8_t>(space, 6, 256);
-    cv::Mat winners, confidence;
-    windowedWinners(space, costs, View::kLeft, winners);
-    readWindowedConfidence(space, matching, winners, confidence);
-    forPixels(space, [&](int y, int x) {
-      const int index = static_cast<int>(winners.at<float>(y, x)) - space.range().min;
-      const int cost = costAt(space, matching, View::kLeft, y, x, index);
-      const float expected =
-          cost == kNone ? 0.0F : 1.0F - static_cast<float>(cost) / 255.0F;
-      ASSERT_EQ(confidence.at<float>(y, x), expected);
-    });
-  });
-}
-
-TEST(WindowedSubpixel, EqualsPlainLoops) {
-  forSpaces([](const SearchSpace& space) {
-    const auto costs = randomCosts<std::uint16_t>(space, 8, 60);
-    for (const View view : {View::kLeft, View::kRight}) {
-      cv::Mat winners;
-      windowedWinners(space, costs, view, winners);
-      cv::Mat refined = winners.clone();
-      refineWindowedSubpixel(space, costs, view, refined);
-      forPixels(space, [&](int y, int x) {
-        const int index = static_cast<int>(winners.at<float>(y, x)) - space.range().min;
-        const auto cost = [&](int i) { return costAt(space, costs, view, y, x, i); };
-        float expected = winners.at<float>(y, x);
-        const bool has_neighbours = index > 0 && index + 1 < space.range().count &&
-                                    cost(index - 1) != kNone && cost(index + 1) != kNone;
-        if (has_neighbours && cost(index - 1) - 2 * cost(index) + cost(index + 1) != 0) {
-          expected += static_cast<float>(cost(index - 1) - cost(index + 1)) /
-                      static_cast<float>(
-                          2 * (cost(index - 1) - 2 * cost(index) + cost(index + 1)));
-        }
-        ASSERT_EQ(refined.at<float>(y, x), expected) << view << y << ", " << x;
-      });
-    }
   });
 }
 

@@ -37,10 +37,4 @@ struct RightWinnersRow {
 void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolume& left_costs,
                            PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity);
 
-/// 1 − cost / 255 of the matching cost of each pixel's winner: the forest's probability; 0 where there
-/// is no winner. `winners` is CV_32FC1 of whole pixels of the space, `confidence` becomes CV_32FC1.
-/// Parallel over rows by oneTBB.
-void readWindowedConfidence(const SearchSpace& space, const WindowedMatchingVolume& costs,
-                            const cv::Mat& winners, cv::Mat& confidence);
-
 }  // namespace cbmv
