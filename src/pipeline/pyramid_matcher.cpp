@@ -18,6 +18,14 @@ namespace {
 
 constexpr int kSmallestSidePx = 32;
 
+/// At a quarter of the pixels and less, the right view costs little, and what it finds out about
+/// occlusions keeps wrong disparities out of the lists of the finer levels.
+StereoOptions optionsOfCoarseLevels(const StereoOptions& options) {
+  StereoOptions coarse = options;
+  coarse.refinement.optimize_right_view = true;
+  return coarse;
+}
+
 void addTimes(const StageTimes& more, StageTimes& times) {
   times.volume_ms += more.volume_ms;
   times.aggregation_ms += more.aggregation_ms;
@@ -57,10 +65,11 @@ class PyramidMatcher::Impl {
       right_image = &level.right;
     }
     const Level* before = nullptr;
+    const StereoOptions coarse_options = optionsOfCoarseLevels(options);
     for (int i = coarser - 1; i >= 0; --i) {
       Level& level = levels_[i];
       level.result.times = {};
-      matchLevel(level.left, level.right, level.range, before, options, forest, evaluator,
+      matchLevel(level.left, level.right, level.range, before, coarse_options, forest, evaluator,
                  level.stages, level.result);
       addTimes(level.result.times, result.times);
       before = &level;

@@ -32,22 +32,47 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 using Words = hn::CappedTag<std::uint16_t, 32>;
 
+/// Hamming distances of a vector of left pixels and those that match them, at all disparities;
+/// unspecified where the match lies outside.
+HWY_INLINE void computeDistancesAt(const CensusRows& rows, int x) {
+  const Bytes tag;
+  const auto loadByte = [&](const std::uint8_t* bits, int k, int column)
+                            HWY_ATTR { return hn::LoadU(tag, bits + k * rows.width + column); };
+  const auto left0 = loadByte(rows.left, 0, x);
+  const auto left1 = loadByte(rows.left, 1, x);
+  const auto left2 = loadByte(rows.left, 2, x);
+  const auto left3 = loadByte(rows.left, 3, x);
+  const auto left4 = loadByte(rows.left, 4, x);
+  const auto left5 = loadByte(rows.left, 5, x);
+  const auto left6 = loadByte(rows.left, 6, x);
+  const auto left7 = loadByte(rows.left, 7, x);
+  const int lanes = static_cast<int>(hn::Lanes(tag));
+  for (int i = 0; i < rows.range.count; ++i) {
+    const int match = x - rows.range.min - i;
+    if (match <= -lanes || match >= rows.width) {
+      continue;
+    }
+    const auto differing = [&](auto left, int k) HWY_ATTR {
+      return hn::PopulationCount(hn::Xor(left, loadByte(rows.right, k, match)));
+    };
+    const auto distance01 = hn::Add(differing(left0, 0), differing(left1, 1));
+    const auto distance23 = hn::Add(differing(left2, 2), differing(left3, 3));
+    const auto distance45 = hn::Add(differing(left4, 4), differing(left5, 5));
+    const auto distance67 = hn::Add(differing(left6, 6), differing(left7, 7));
+    hn::StoreU(hn::Add(hn::Add(distance01, distance23), hn::Add(distance45, distance67)), tag,
+               rows.distances + i * rows.pitch + x);
+  }
+}
+
 /// Hamming distances of all hypotheses of a row, and one repeated at both ends of each line.
 void computeDistances(const CensusRows& rows) {
+  const int lanes = static_cast<int>(hn::Lanes(Bytes()));
+  for (int x = 0; x < rows.width; x += lanes) {
+    computeDistancesAt(rows, x);
+  }
   for (int i = 0; i < rows.range.count; ++i) {
-    const int d = rows.range.min + i;
-    const ColumnSpan span = matchedColumns(rows.width, d);
+    const ColumnSpan span = matchedColumns(rows.width, rows.range.min + i);
     std::uint8_t* line = rows.distances + i * rows.pitch;
-    forLanes(Bytes(), span.begin, span.end, [&](auto tag, int x, int) HWY_ATTR {
-      auto distance = hn::Zero(tag);
-      for (int k = 0; k < CensusRows::kBytes; ++k) {
-        const std::ptrdiff_t column = k * rows.width + x;
-        const auto difference =
-            hn::Xor(hn::LoadU(tag, rows.left + column), hn::LoadU(tag, rows.right + column - d));
-        distance = hn::Add(distance, hn::PopulationCount(difference));
-      }
-      hn::StoreU(distance, tag, line + x);
-    });
     if (!span.empty()) {
       line[span.begin - 1] = line[span.begin];
       line[span.end] = line[span.end - 1];
@@ -66,65 +91,91 @@ void addLines(const std::uint8_t* above, const std::uint8_t* middle, const std::
   }
 }
 
-/// Lanes of the columns from `x` on whose match lies inside of the right image.
-HWY_INLINE hn::Mask<Words> isInside(Words tag, int x, int width, int d) {
+/// Lanes of the columns from `first` on that lie in the image.
+HWY_INLINE hn::Mask<Words> isInside(Words tag, int first, int width) {
   const int lanes = static_cast<int>(hn::Lanes(tag));
-  const ColumnSpan span = matchedColumns(width, d);
-  const auto first = [=](int column) {
-    return hn::FirstN(tag, static_cast<std::size_t>(std::clamp(column - x, 0, lanes)));
+  const auto before = [=](int column) {
+    return hn::FirstN(tag, static_cast<std::size_t>(std::clamp(column - first, 0, lanes)));
   };
-  return hn::AndNot(first(span.begin), first(span.end));
+  return hn::AndNot(before(0), before(width));
 }
 
-/// Finds the winners of a vector of left pixels, and lowers those of the right pixels that match
-/// them. `columns` points to the sums of three rows of distances at column x.
-HWY_INLINE void scanColumns(const std::uint8_t* columns, std::ptrdiff_t pitch, int x, int width,
-                            const DisparityRange& range, const RowWinners& winners) {
+/// Lowers the winners of a vector of pixels of `view` by the disparities [begin, end) of a block.
+/// Stores their costs, kNoCost where the match lies outside.
+HWY_INLINE void scanBlock(const SumRows& sums, View view, int x, int begin, int end,
+                          std::uint16_t* costs, hn::Vec<Words>& best, hn::Vec<Words>& index) {
   const Words tag;
   const hn::Rebind<std::uint8_t, Words> bytes;
   const int lanes = static_cast<int>(hn::Lanes(tag));
-  auto best = hn::Set(tag, kNoCost);
-  auto index = hn::Zero(tag);
-  auto second = best;
-  // Least costs of all disparities but the last, and but the last two.
-  auto before = best;
-  auto before_last = best;
-  for (int i = 0; i < range.count; ++i) {
-    const int d = range.min + i;
-    const std::uint8_t* sums = columns + i * pitch;
-    const auto sum = [&](int dx)
-                         HWY_ATTR { return hn::PromoteTo(tag, hn::LoadU(bytes, sums + dx)); };
-    auto cost = hn::Add(hn::Add(sum(-1), sum(0)), sum(1));
-    if (x < d || x + lanes > std::min(width, width + d)) {
-      cost = hn::IfThenElse(isInside(tag, x, width, d), cost, hn::Set(tag, kNoCost));
+  const auto none = hn::Set(tag, kNoCost);
+  auto lowest = none;
+  for (int i = begin; i < end; ++i) {
+    const int match = matchingColumn(view, x, sums.range.min + i);
+    const int left = view == View::kLeft ? x : match;
+    auto cost = none;
+    auto key = none;
+    if (match > -lanes && match < sums.width) {
+      const std::uint8_t* sum = sums.sums + i * sums.pitch + left;
+      const auto sumAt = [&](int dx)
+                             HWY_ATTR { return hn::PromoteTo(tag, hn::LoadU(bytes, sum + dx)); };
+      cost = hn::Add(hn::Add(sumAt(-1), sumAt(0)), sumAt(1));
+      key = hn::Or(hn::ShiftLeft<kIndexBits>(cost),
+                   hn::Set(tag, static_cast<std::uint16_t>(i - begin)));
+      if (match < 0 || match + lanes > sums.width) {
+        const auto inside = isInside(tag, match, sums.width);
+        cost = hn::IfThenElse(inside, cost, none);
+        key = hn::IfThenElse(inside, key, none);
+      }
     }
-    const auto here = hn::Set(tag, static_cast<std::uint16_t>(i));
-    const auto is_best = hn::Lt(cost, best);
-    const auto is_far = hn::Lt(hn::Add(index, hn::Set(tag, 1)), here);
-    const auto other = hn::IfThenElse(is_far, hn::Min(second, cost), second);
-    second = hn::IfThenElse(is_best, before_last, other);
-    index = hn::IfThenElse(is_best, here, index);
-    best = hn::Min(best, cost);
-    before_last = before;
-    before = best;
-
-    std::uint16_t* right_cost = winners.right_cost + x - d;
-    std::uint16_t* right_index = winners.right_index + x - d;
-    const auto right_best = hn::LoadU(tag, right_cost);
-    const auto is_right_best = hn::Lt(cost, right_best);
-    hn::StoreU(hn::Min(cost, right_best), tag, right_cost);
-    hn::StoreU(hn::IfThenElse(is_right_best, here, hn::LoadU(tag, right_index)), tag, right_index);
+    hn::StoreU(cost, tag, costs + i * lanes);
+    lowest = hn::Min(lowest, key);
   }
-  hn::StoreU(best, tag, winners.cost + x);
-  hn::StoreU(second, tag, winners.second_cost + x);
-  hn::StoreU(index, tag, winners.index + x);
+  const auto cost = hn::ShiftRight<kIndexBits>(lowest);
+  const auto here = hn::Add(hn::And(lowest, hn::Set(tag, kBlock - 1)),
+                            hn::Set(tag, static_cast<std::uint16_t>(begin)));
+  const auto is_lower = hn::And(hn::Ne(lowest, none), hn::Lt(cost, best));
+  best = hn::IfThenElse(is_lower, cost, best);
+  index = hn::IfThenElse(is_lower, here, index);
 }
 
-void findWinners(const std::uint8_t* sums, std::ptrdiff_t pitch, int width,
-                 const DisparityRange& range, const RowWinners& winners) {
-  const int lanes = static_cast<int>(hn::Lanes(Words()));
-  for (int x = 0; x < width; x += lanes) {
-    scanColumns(sums + x, pitch, x, width, range, winners);
+/// Winners of a vector of pixels, their costs `best` and, in `costs`, those of all disparities.
+HWY_INLINE hn::Vec<Words> scanVector(const SumRows& sums, View view, int x, std::uint16_t* costs,
+                                     hn::Vec<Words>& best) {
+  const Words tag;
+  best = hn::Set(tag, kNoCost);
+  auto index = hn::Zero(tag);
+  for (int begin = 0; begin < sums.range.count; begin += kBlock) {
+    const int end = std::min(begin + kBlock, sums.range.count);
+    scanBlock(sums, view, x, begin, end, costs, best, index);
+  }
+  return index;
+}
+
+/// Least costs of the disparities that are more than 1 away from the winners.
+HWY_INLINE hn::Vec<Words> findSecond(const std::uint16_t* costs, int count,
+                                     const hn::Vec<Words>& index) {
+  const Words tag;
+  const int lanes = static_cast<int>(hn::Lanes(tag));
+  auto second = hn::Set(tag, kNoCost);
+  auto distance = hn::Sub(hn::Set(tag, 1), index);  // i − index + 1
+  for (int i = 0; i < count; ++i) {
+    const auto is_far = hn::Gt(distance, hn::Set(tag, 2));
+    const auto cost = hn::LoadU(tag, costs + i * lanes);
+    second = hn::Min(second, hn::IfThenElse(is_far, cost, hn::Set(tag, kNoCost)));
+    distance = hn::Add(distance, hn::Set(tag, 1));
+  }
+  return second;
+}
+
+void findWinners(const SumRows& sums, std::uint16_t* costs, const RowWinners& out) {
+  const Words tag;
+  auto best = hn::Zero(tag);
+  for (int x = 0; x < sums.width; x += static_cast<int>(hn::Lanes(tag))) {
+    hn::StoreU(scanVector(sums, View::kRight, x, costs, best), tag, out.right_index + x);
+    const auto index = scanVector(sums, View::kLeft, x, costs, best);
+    hn::StoreU(best, tag, out.cost + x);
+    hn::StoreU(index, tag, out.index + x);
+    hn::StoreU(findSecond(costs, sums.range.count, index), tag, out.second_cost + x);
   }
 }
 
@@ -159,14 +210,12 @@ class RowScanner {
       row.resize(size);
     }
     sums_.resize(size);
-    left_bits_.resize(static_cast<std::size_t>(width) * CensusRows::kBytes);
+    left_bits_.resize(static_cast<std::size_t>(width) * CensusRows::kBytes + 2 * kVector);
     right_bits_.resize(left_bits_.size());
-    for (auto* line : {&cost_, &second_cost_, &index_}) {
+    for (auto* line : {&cost_, &second_cost_, &index_, &right_index_}) {
       line->resize(roundUp(width, kVector));
     }
-    right_pad_ = std::max(std::abs(range.min), std::abs(range.max())) + kVector;
-    right_cost_.resize(width + 2 * right_pad_);
-    right_index_.resize(right_cost_.size());
+    costs_.resize(static_cast<std::size_t>(range.count) * kVector / sizeof(std::uint16_t));
   }
 
   /// The rows [begin, end) of the image.
@@ -192,25 +241,27 @@ class RowScanner {
   std::uint8_t* row(int y) { return ring_[y % ring_.size()].data(); }
 
   void fill(const CensusTransform& left, const CensusTransform& right, int y) {
-    left.computeRow(y, left_bits_.data());
-    right.computeRow(y, right_bits_.data());
-    const CensusRows rows{left_bits_.data(), right_bits_.data(), width_, range_, pitch_,
+    left.computeRow(y, left_bits_.data() + kVector);
+    right.computeRow(y, right_bits_.data() + kVector);
+    const CensusRows rows{left_bits_.data() + kVector,
+                          right_bits_.data() + kVector,
+                          width_,
+                          range_,
+                          pitch_,
                           row(y) + kVector};
     HWY_DYNAMIC_DISPATCH(computeDistances)(rows);
   }
 
   void findMatches(std::int16_t* matches) {
-    std::fill(right_cost_.begin(), right_cost_.end(), kNoCost);
-    std::fill(right_index_.begin(), right_index_.end(), std::uint16_t{0});
-    const RowWinners winners{cost_.data(), second_cost_.data(), index_.data(),
-                             right_cost_.data() + right_pad_, right_index_.data() + right_pad_};
-    HWY_DYNAMIC_DISPATCH(findWinners)(sums_.data() + kVector, pitch_, width_, range_, winners);
+    const SumRows sums{sums_.data() + kVector, pitch_, width_, range_};
+    const RowWinners winners{cost_.data(), second_cost_.data(), index_.data(), right_index_.data()};
+    HWY_DYNAMIC_DISPATCH(findWinners)(sums, costs_.data(), winners);
     for (int x = 0; x < width_; ++x) {
-      const int index = winners.index[x];
-      const bool is_clear = winners.second_cost[x] != kNoCost &&
-                            100U * winners.cost[x] < 99U * winners.second_cost[x];
-      const bool is_mutual = std::abs(winners.right_index[x - range_.min - index] - index) <= 1;
-      matches[x] = is_clear && is_mutual ? static_cast<std::int16_t>(index) : kNoMatch;
+      const int index = index_[x];
+      const bool is_clear = second_cost_[x] != kNoCost && 100U * cost_[x] < 99U * second_cost_[x];
+      // A pixel with a second cost has a winner, whose match lies inside.
+      const bool is_match = is_clear && std::abs(right_index_[x - range_.min - index] - index) <= 1;
+      matches[x] = is_match ? static_cast<std::int16_t>(index) : kNoMatch;
     }
   }
 
@@ -218,12 +269,13 @@ class RowScanner {
 
   int width_ = 0;
   DisparityRange range_;
-  int pitch_ = 0;      ///< of lines with a vector more on both sides
-  int right_pad_ = 0;  ///< columns before and behind the right image that matches may fall on
+  int pitch_ = 0;                                  ///< of lines with a vector more on both sides
   std::array<std::vector<std::uint8_t>, 3> ring_;  ///< distances of three rows
   std::vector<std::uint8_t> sums_;
-  std::vector<std::uint8_t> left_bits_, right_bits_;  ///< census of the row under way
-  Line cost_, second_cost_, index_, right_cost_, right_index_;
+  std::vector<std::uint8_t> left_bits_,
+      right_bits_;  ///< census of a row, and a vector more on both sides
+  Line costs_;      ///< of a vector of pixels
+  Line cost_, second_cost_, index_, right_index_;
 };
 
 }  // namespace

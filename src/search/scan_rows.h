@@ -24,13 +24,24 @@ struct CensusRows {
   std::uint8_t* distances;
 };
 
-/// What a row of left pixels and the right pixels that match them have found; indices of
-/// disparities. Pointers to column 0; right ones are readable and writable so far as x − d reaches.
+/// Costs and the indices of their disparities in one word, so that the least key is that of the
+/// least cost, the smallest index on ties: as many disparities as kIndexBits number are a block.
+constexpr int kIndexBits = 6;
+constexpr int kBlock = 1 << kIndexBits;
+
+/// Sums of three rows of distances.
+struct SumRows {
+  const std::uint8_t* sums;  ///< of column 0 at range.min
+  std::ptrdiff_t pitch;      ///< from disparity to disparity
+  int width;
+  DisparityRange range;
+};
+
+/// What the pixels of a row have found, from column 0 on.
 struct RowWinners {
   std::uint16_t* cost;
   std::uint16_t* second_cost;  ///< of disparities more than 1 away from the winner
   std::uint16_t* index;
-  std::uint16_t* right_cost;
   std::uint16_t* right_index;
 };
 

@@ -11,15 +11,16 @@
 
 namespace cbmv {
 
-/// Levels below the full size at which a pair of that size is searched: options.search.levels, fewer
-/// where the shorter side would fall below 32 px.
+/// Levels below the full size at which a pair of that size is searched: options.search.levels,
+/// fewer where the shorter side would fall below 32 px.
 int searchLevels(const cv::Size& image_size, const StereoOptions& options);
 
 /// Coarse-to-fine search: the pair is matched exhaustively at 1 / 2^levels of its size; every finer
-/// level is matched over the search space that SearchWindows makes of the level before and of mutual
-/// matches. The coarser level also tells the surfaces that semi-global matching follows. After
-/// Rothermel et al. 2012 (tSGM) and Hirschmüller, Buder, Ernst 2012. Holds the memory of all levels,
-/// so one object serves one pair at a time.
+/// level is matched over the search space that SearchWindows makes of the level before and of
+/// mutual matches. Coarse levels optimize the right view, too, where there is a left-right check.
+/// The coarser level also tells the surfaces that semi-global matching follows. After Rothermel et
+/// al. 2012 (tSGM) and Hirschmüller, Buder, Ernst 2012. Holds the memory of all levels, so one
+/// object serves one pair at a time.
 class PyramidMatcher {
  public:
   PyramidMatcher();
