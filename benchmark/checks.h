@@ -7,8 +7,6 @@
 #include <hwy/targets.h>
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/volume/volume.h"
-
 namespace cbmv::benchmarks {
 
 /// FNV-1a of results, to compare what was timed with what is right without keeping it.
@@ -24,10 +22,6 @@ class Checksum {
     for (int y = 0; y < map.rows; ++y) {
       add(map.ptr(y), map.cols * map.elemSize());
     }
-  }
-  template <typename Cost>
-  void add(const Volume<Cost>& volume) {
-    add(volume.row(0), volume.size() * sizeof(Cost));
   }
   std::uint64_t value() const { return value_; }
 

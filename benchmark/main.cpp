@@ -74,12 +74,6 @@ std::uint64_t otherResult(const Stage& stage, StageData& data) {
   return runStage(stage, data, 2);
 }
 
-double unitsOf(const Stage& stage, const Problem& problem) {
-  return stage.unit == StageUnit::kPixels          ? problem.pixels()
-         : stage.unit == StageUnit::kRowHypotheses ? problem.hypotheses() / problem.height
-                                                   : problem.hypotheses();
-}
-
 /// Time a unit, in nanoseconds, as a counter.
 Counter nanoseconds(double units) {
   return {units * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert};
@@ -100,7 +94,7 @@ void timeStage(benchmark::State& state, const Stage& stage, const Problem& probl
     }
   });
   const std::string unit = stage.unit == StageUnit::kPixels ? "pixel" : "hypothesis";
-  state.counters["ns_per_" + unit] = nanoseconds(unitsOf(stage, problem));
+  state.counters["ns_per_" + unit] = nanoseconds(unitsOf(stage, data));
   state.counters["memory_bytes_per_" + unit] = stage.memory_bytes;
   state.counters["computed_bytes_per_" + unit] = stage.computed_bytes;
 }

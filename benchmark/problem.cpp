@@ -48,7 +48,8 @@ std::string Problem::name() const {
 
 const std::vector<Problem>& problems() {
   static const std::vector<Problem> kProblems = {
-      {320, 240, 32}, {640, 480, 64}, {640, 480, 128}, {1242, 375, 228}, {1440, 990, 256}};
+      {320, 240, 32},  {640, 480, 64},   {640, 480, 128}, {1242, 375, 228},
+      {1440, 990, 64}, {1440, 990, 256}, {941, 490, 941}};
   return kProblems;
 }
 

@@ -13,19 +13,24 @@
 #include "cbmv_stereo/matching/matcher_set.h"
 #include "cbmv_stereo/matching/padded_image.h"
 #include "cbmv_stereo/optimization/coarse_volume.h"
-#include "cbmv_stereo/optimization/cross_based_aggregation.h"
 #include "cbmv_stereo/optimization/grey_deviation.h"
 #include "cbmv_stereo/optimization/semi_global_matching.h"
 #include "cbmv_stereo/optimization/support_arms.h"
 #include "cbmv_stereo/optimization/surface_prior.h"
-#include "cbmv_stereo/optimization/winner_takes_all.h"
+#include "cbmv_stereo/optimization/windowed_aggregation.h"
+#include "cbmv_stereo/optimization/windowed_sgm.h"
+#include "cbmv_stereo/optimization/windowed_winner_maps.h"
+#include "cbmv_stereo/optimization/windowed_winners.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/refinement/bilateral_filter.h"
 #include "cbmv_stereo/refinement/interpolation.h"
 #include "cbmv_stereo/refinement/left_right_check.h"
 #include "cbmv_stereo/refinement/median_filter.h"
-#include "cbmv_stereo/refinement/subpixel.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "cbmv_stereo/search/mutual_matches.h"
+#include "cbmv_stereo/search/search_windows.h"
+#include "cbmv_stereo/volume/windowed_right_view.h"
+#include "cbmv_stereo/volume/windowed_volume_builder.h"
 
 namespace cbmv::benchmarks {
 
@@ -34,6 +39,7 @@ struct StageData {
 
   int middleRow() const { return pair.left.rows / 2; }
   int width() const { return pair.left.cols; }
+  void match();
   void optimize();
   void refine();
 
@@ -50,20 +56,25 @@ struct StageData {
   NccMatcher ncc;
   ZeroMeanSadMatcher zero_mean_sad;
   SobelSadMatcher sobel_sad;
-  VolumeBuilder builder;
-  MatchingVolume volume, right_volume, half_volume;
+  StereoResult coarse;  ///< of the pair at half the size
+  cv::Mat matches;
+  SearchSpace space, right_space;
+  WindowedMatchingVolume volume, right_volume;
   SupportArms arms;
   EdgeImages edges;
-  OptimizedVolume optimized, output;
-  cv::Mat winners, right_winners, labels, disparity, coarse_disparity;
+  WindowedOptimizedVolume optimized, output;
+  cv::Mat winners, right_winners, labels, disparity, confidence;
   cv::Mat map;  ///< output of the stages that make one
   VerticalOffset offset;
 
   // Memory of the stages.
-  PerThread<std::vector<std::uint8_t>> shift_rows;
-  PerThread<RowAcross> across_rows;
-  SemiGlobalMatcher sgm;
-  CostAggregator aggregator;
+  MutualMatcher mutual;
+  SearchWindows windows;
+  WindowedVolumeBuilder builder;
+  WindowedRightView right_view;
+  PerThread<RightWinnersRow> across_rows;
+  WindowedSgm sgm;
+  WindowedAggregator aggregator;
   SurfacePrior surface_prior;
   cv::Mat padded;
 
@@ -134,7 +145,35 @@ void addTerms(const StageData& data, Checksum& sum) {
 }
 
 void addMap(const StageData& data, Checksum& sum) { sum.add(data.map); }
-void addOutput(const StageData& data, Checksum& sum) { sum.add(data.output); }
+
+/// Costs of the hypotheses that lie inside of both images.
+template <typename Cost>
+void addVolume(const SearchSpace& space, const WindowedVolume<Cost>& volume, View view,
+               Checksum& sum) {
+  for (int y = 0; y < space.height(); ++y) {
+    for (int t = 0; t < space.tiles(); ++t) {
+      const SearchSpace::Tile tile = space.tile(y, t);
+      const int end = std::min((t + 1) * kTileColumns, space.width());
+      for (int k = 0; k < tile.count; ++k) {
+        for (int x = t * kTileColumns; x < end; ++x) {
+          const int match = matchingColumn(view, x, space.range().min + tile.indices[k]);
+          if (match >= 0 && match < space.width()) {
+            sum.add(volume.entry(tile.first_entry + k) + x % kTileColumns, sizeof(Cost));
+          }
+        }
+      }
+    }
+  }
+}
+
+void addOutput(const StageData& data, Checksum& sum) {
+  addVolume(data.space, data.output, View::kLeft, sum);
+}
+
+void findWinnerMaps(StageData& data) {
+  windowedWinnerMaps(data.space, data.optimized, data.volume, data.options.refinement.subpixel,
+                     {data.winners, data.disparity, data.confidence});
+}
 
 }  // namespace
 
@@ -144,6 +183,7 @@ StageData::StageData(const Problem& problem)
       pair(loadPair(problem)),
       forest(presetForest("quality")),
       evaluator(*forest) {
+  match();
   padImage(pair.left, padded_left);
   padImage(pair.right, padded_right);
   all_matchers.prepare(pair.left, pair.right);
@@ -151,17 +191,28 @@ StageData::StageData(const Problem& problem)
   ncc.prepare(padded_left, padded_right);
   zero_mean_sad.prepare(padded_left, padded_right);
   sobel_sad.prepare(padded_left, padded_right);
-  SearchSpace row;
-  row.buildExhaustive(1, width(), range);
-  entries.build(row, 0);
+  entries.build(space, middleRow());
   all_matchers.computeRow(middleRow(), entries, allMatchers(), scratch, costs);
   computeTerms(*this);
   row_costs.resize(static_cast<std::size_t>(entries.count()) * kTileColumns);
   computeAllCodes(*this);
-  builder.build(pair.left, pair.right, range, *forest, evaluator, volume);
-  right_volume = volume;
   optimize();
   refine();
+}
+
+/// The search space and the volume of the full size.
+void StageData::match() {
+  StereoOptions half = options;
+  half.range = halveRange(range);
+  half.search.levels = std::max(options.search.levels - 1, 0);
+  Pair small;
+  halveImage(pair.left, small.left);
+  halveImage(pair.right, small.right);
+  StereoMatcher(forest, half).match(small.left, small.right, {}, coarse);
+  mutual.find(pair.left, pair.right, range, matches);
+  windows.build(coarse.disparity, coarse.range.invalid(), matches, range, options.search, space);
+  builder.build(pair.left, pair.right, space, *forest, evaluator, volume);
+  right_view.build(space, volume, right_space, right_volume);
 }
 
 void StageData::optimize() {
@@ -170,18 +221,14 @@ void StageData::optimize() {
   arms.longest_px = options.aggregation.arm_length_px - 1;
   edges = {pair.left, pair.right, options.sgm.edge_threshold * greyDeviation(pair.left),
            options.sgm.edge_threshold * greyDeviation(pair.right)};
-  sgm.match(volume, edges, {}, View::kLeft, range, options.sgm, optimized);
+  sgm.match(space, volume, edges, {}, View::kLeft, options.sgm, optimized);
 }
 
 void StageData::refine() {
-  winnerTakesAll(optimized, View::kLeft, range, winners);
-  winnerTakesAllAcross(optimized, range, across_rows, right_winners);
+  findWinnerMaps(*this);
+  windowedWinnersAcross(space, optimized, across_rows, right_winners);
   leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
                  labels);
-  disparity = winners.clone();
-  refineSubpixel(optimized, View::kLeft, range, disparity);
-  cv::resize(disparity, coarse_disparity, disparity.size() / 2, 0, 0, cv::INTER_NEAREST);
-  coarse_disparity *= 0.5;
 }
 
 std::shared_ptr<StageData> makeStageData(const Problem& problem) {
@@ -220,72 +267,81 @@ std::vector<Stage> rowStages() {
        [](const StageData& s, Checksum& sum) { sum.add(s.row_costs.data(), s.row_costs.size()); }}};
 }
 
-std::vector<Stage> volumeStages() {
+std::vector<Stage> searchStages() {
   return {{"rectification_estimate", Unit::kPixels, 2, 0,
            [](StageData& s) {
              s.offset = estimateVerticalOffset(s.pair.left, s.pair.right, s.range,
                                                s.options.rectification);
            },
            [](const StageData& s, Checksum& sum) { sum.add(&s.offset.offset_px, sizeof(double)); }},
-          {"matcher_preparation", Unit::kPixels, 112, 0,
-           [](StageData& s) { s.all_matchers.prepare(s.pair.left, s.pair.right); },
-           [](const StageData& s, Checksum& sum) { sum.add(s.padded_left); }},
-          {"volume", Unit::kHypotheses, 1, 3243,
+          {"mutual_matches", Unit::kRangeHypotheses, 0, 0,
+           [](StageData& s) { s.mutual.find(s.pair.left, s.pair.right, s.range, s.matches); },
+           [](const StageData& s, Checksum& sum) { sum.add(s.matches); }},
+          {"search_windows", Unit::kPixels, 3, 0,
            [](StageData& s) {
-             s.builder.build(s.pair.left, s.pair.right, s.range, *s.forest, s.evaluator, s.volume);
+             s.windows.build(s.coarse.disparity, s.coarse.range.invalid(), s.matches, s.range,
+                             s.options.search, s.space);
            },
-           [](const StageData& s, Checksum& sum) { sum.add(s.volume); }},
-          {"shift_to_right_view", Unit::kHypotheses, 2, 0,
-           [](StageData& s) {
-             s.right_volume = s.volume;  // the shift is in place
-             shiftToRightView(s.range, s.right_volume, s.shift_rows);
-           },
-           [](const StageData& s, Checksum& sum) { sum.add(s.right_volume); }}};
+           [](const StageData& s, Checksum& sum) {
+             const std::size_t entries = s.space.entries();
+             sum.add(&entries, sizeof(entries));
+           }}};
+}
+
+std::vector<Stage> volumeStages() {
+  return {
+      {"matcher_preparation", Unit::kPixels, 28, 0,
+       [](StageData& s) { s.all_matchers.prepare(s.pair.left, s.pair.right); },
+       [](const StageData& s, Checksum& sum) { sum.add(s.padded_left); }},
+      {"volume", Unit::kHypotheses, 1, 3243,
+       [](StageData& s) {
+         s.builder.build(s.pair.left, s.pair.right, s.space, *s.forest, s.evaluator, s.volume);
+       },
+       [](const StageData& s, Checksum& sum) { addVolume(s.space, s.volume, View::kLeft, sum); }},
+      {"right_view", Unit::kHypotheses, 2, 0,
+       [](StageData& s) { s.right_view.build(s.space, s.volume, s.right_space, s.right_volume); },
+       [](const StageData& s, Checksum& sum) {
+         addVolume(s.right_space, s.right_volume, View::kRight, sum);
+       }}};
 }
 
 std::vector<Stage> optimizationStages() {
-  return {{"halve_volume", Unit::kHypotheses, 1.125, 0,
-           [](StageData& s) { halveVolume(s.volume, s.range, s.half_volume); },
-           [](const StageData& s, Checksum& sum) { sum.add(s.half_volume); }},
-          {"surface_prior", Unit::kPixels, 2.75, 0,
+  return {{"surface_prior", Unit::kPixels, 2.75, 0,
            [](StageData& s) {
-             s.surface_prior.estimate(s.coarse_disparity, halveRange(s.range).invalid(),
+             s.surface_prior.estimate(s.coarse.disparity, s.coarse.range.invalid(),
                                       s.options.surface.reach_px, s.pair.left.size(), s.map);
            },
            addMap},
           {"support_arms", Unit::kPixels, 5, 0,
            [](StageData& s) { computeArms(s, s.pair.left, s.map); }, addMap},
-          {"sgm_first", Unit::kHypotheses, 8, 80,
+          {"sgm_first", Unit::kHypotheses, 3, 0,
            [](StageData& s) {
-             s.sgm.match(s.volume, s.edges, {}, View::kLeft, s.range, s.options.sgm, s.output);
+             s.sgm.match(s.space, s.volume, s.edges, {}, View::kLeft, s.options.sgm, s.output);
            },
            addOutput},
-          {"sgm_second", Unit::kHypotheses, 10, 80,
+          {"sgm_second", Unit::kHypotheses, 4, 0,
            [](StageData& s) {
-             s.sgm.match(s.optimized, s.edges, {}, View::kLeft, s.range, s.options.sgm, s.output);
+             s.sgm.match(s.space, s.optimized, s.edges, {}, View::kLeft, s.options.sgm, s.output);
            },
            addOutput},
           {"cbca", Unit::kHypotheses, 4, 0,
            [](StageData& s) {
-             s.aggregator.aggregate(s.optimized, sgmCostBound(s.options.sgm), s.arms, View::kLeft,
-                                    s.range, s.output);
+             s.aggregator.aggregate(s.space, s.optimized, sgmCostBound(s.options.sgm), s.arms,
+                                    View::kLeft, s.output);
            },
            addOutput},
-          {"winner_takes_all", Unit::kHypotheses, 2, 4,
-           [](StageData& s) { winnerTakesAll(s.optimized, View::kLeft, s.range, s.map); }, addMap},
-          {"winner_takes_all_across", Unit::kHypotheses, 2, 12,
-           [](StageData& s) { winnerTakesAllAcross(s.optimized, s.range, s.across_rows, s.map); },
+          {"winner_maps", Unit::kHypotheses, 3, 0, findWinnerMaps,
+           [](const StageData& s, Checksum& sum) {
+             sum.add(s.disparity);
+             sum.add(s.confidence);
+           }},
+          {"right_winners", Unit::kHypotheses, 2, 0,
+           [](StageData& s) { windowedWinnersAcross(s.space, s.optimized, s.across_rows, s.map); },
            addMap}};
 }
 
 std::vector<Stage> refinementStages() {
-  return {{"subpixel", Unit::kPixels, 72, 0,
-           [](StageData& s) {
-             s.winners.copyTo(s.map);
-             refineSubpixel(s.optimized, View::kLeft, s.range, s.map);
-           },
-           addMap},
-          {"left_right_check", Unit::kPixels, 9, 0,
+  return {{"left_right_check", Unit::kPixels, 9, 0,
            [](StageData& s) {
              leftRightCheck(s.winners, s.right_winners, s.range,
                             s.options.refinement.max_left_right_difference_px, s.map);
@@ -319,13 +375,29 @@ std::vector<Stage> refinementStages() {
 
 std::vector<Stage> allStages() {
   std::vector<Stage> all;
-  for (const auto& some : {rowStages(), volumeStages(), optimizationStages(), refinementStages()}) {
+  for (const auto& some :
+       {searchStages(), rowStages(), volumeStages(), optimizationStages(), refinementStages()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
 }
 
 }  // namespace
+
+double unitsOf(const Stage& stage, const StageData& data) {
+  const double pixels = static_cast<double>(data.pair.left.total());
+  switch (stage.unit) {
+    case StageUnit::kPixels:
+      return pixels;
+    case StageUnit::kRangeHypotheses:
+      return pixels * data.range.count;
+    case StageUnit::kRowHypotheses:
+      return static_cast<double>(data.entries.count()) * kTileColumns;
+    case StageUnit::kHypotheses:
+      return static_cast<double>(data.space.entries()) * kTileColumns;
+  }
+  return 0;
+}
 
 const std::vector<Stage>& stages() {
   static const std::vector<Stage> kStages = allStages();

@@ -17,8 +17,9 @@ struct StageData;
 /// the preset `quality`.
 std::shared_ptr<StageData> makeStageData(const Problem& problem);
 
-/// What a stage is applied to: hypotheses (x, y, d), those of one image row, or pixels.
-enum class StageUnit { kHypotheses, kRowHypotheses, kPixels };
+/// What a stage is applied to: the hypotheses (x, y, d) of the search space at full size, those of
+/// one image row of it, all of the disparity range, or pixels.
+enum class StageUnit { kHypotheses, kRowHypotheses, kRangeHypotheses, kPixels };
 
 /// One stage of the method, on prepared input.
 struct Stage {
@@ -34,6 +35,9 @@ struct Stage {
   std::function<void(StageData&)> run;
   std::function<void(const StageData&, Checksum&)> add_result;  ///< of the last run
 };
+
+/// How many units the stage has in this data.
+double unitsOf(const Stage& stage, const StageData& data);
 
 /// All stages, in the order of the data flow.
 const std::vector<Stage>& stages();
