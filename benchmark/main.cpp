@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <tbb/task_arena.h>
 
@@ -21,6 +22,9 @@
 #include "problem.h"
 #include "stages.h"
 #include "support/scoped_simd_target.h"
+
+#include "cbmv_stereo/evaluation/rendered_poles.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv::benchmarks {
 namespace {
@@ -250,6 +254,28 @@ void printPeakMemory(const std::string& preset, const Problem& problem) {
   std::printf("{\"peak_mib\": %.0f, \"before_mib\": %.0f}\n", peakMemoryMib(), before);
 }
 
+/// Shares of the pixels of thin poles that a preset finds, by exhaustive search and as it is.
+void printPoles(const std::string& preset) {
+  nlohmann::json rows;
+  for (const auto& [far_px, near_px] : {std::pair(4, 24), std::pair(4, 48), std::pair(10, 20)}) {
+    const RenderedPoles poles = renderPoles(far_px, near_px, 1);
+    StereoOptions options = presetOptions(preset, {poles.left.cols, poles.left.rows, 64}, 0);
+    StereoMatcher matcher(presetForest(preset), options);
+    const cv::Mat found = matcher.match(poles.left, poles.right, {}).disparity.clone();
+    options.search.levels = 0;
+    matcher.setOptions(options);
+    const cv::Mat full = matcher.match(poles.left, poles.right, {}).disparity;
+    for (const int width : poleWidths()) {
+      rows.push_back({{"far_px", far_px},
+                      {"near_px", near_px},
+                      {"width_px", width},
+                      {"exhaustive", poleRecall(poles, width, full)},
+                      {"preset", poleRecall(poles, width, found)}});
+    }
+  }
+  std::printf("%s\n", rows.dump().c_str());
+}
+
 void runBenchmarks() {
   Context context;
   addMachine();
@@ -269,16 +295,24 @@ int main(int argc, char** argv) {
       "Times the stages, the whole method and OpenCV's matchers. Takes the flags of Google "
       "Benchmark, such as --benchmark_filter. CBMV_DATA: folder that holds middlebury_eval3_H or "
       "middlebury_eval3_Q; without it, pairs are rendered"};
-  std::string preset;
+  std::string memory_preset;
+  std::string poles_preset;
   std::string size = "1242x375x228";
-  app.add_option("--peak-memory", preset,
-                 "Print the peak memory of this preset instead, in MiB, and that before matching");
+  auto* memory = app.add_option("--peak-memory", memory_preset,
+                                "Print the peak memory of this preset instead, in MiB, and that "
+                                "before matching");
   app.add_option("--size", size, "Pair that it is measured on")->capture_default_str();
+  app.add_option("--poles", poles_preset,
+                 "Print which share of thin poles before a far background this preset finds "
+                 "instead, as it is and by exhaustive search")
+      ->excludes(memory);
   return cbmv::runTool(app, argc, argv, "cbmv_benchmark", [&] {
-    if (preset.empty()) {
-      cbmv::benchmarks::runBenchmarks();
+    if (!memory_preset.empty()) {
+      cbmv::benchmarks::printPeakMemory(memory_preset, cbmv::benchmarks::findProblem(size));
+    } else if (!poles_preset.empty()) {
+      cbmv::benchmarks::printPoles(poles_preset);
     } else {
-      cbmv::benchmarks::printPeakMemory(preset, cbmv::benchmarks::findProblem(size));
+      cbmv::benchmarks::runBenchmarks();
     }
   });
 }
