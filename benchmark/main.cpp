@@ -129,17 +129,26 @@ struct CbmvCase {
   Problem problem;
   int threads;
   std::int64_t simd_target;  ///< 0: the best one
+  bool exhaustive = false;   ///< instead of the preset's search
 };
+
+StereoOptions optionsOf(const CbmvCase& what, int threads) {
+  StereoOptions options = presetOptions(what.preset, what.problem, threads);
+  options.search.levels = what.exhaustive ? 0 : options.search.levels;
+  return options;
+}
 
 void timeCbmv(benchmark::State& state, const CbmvCase& what, Context& context) {
   const test::ScopedSimdTarget scope(what.simd_target);
   const Pair pair = loadPair(what.problem);
   StageTimes times;
-  const Method method = makeCbmv(what.preset, what.problem, what.threads, times);
+  const Method method = makeCbmv(optionsOf(what, what.threads), what.preset, what.problem, times);
   const std::uint64_t result = checksum(method(pair));  // allocates, too
-  const bool is_right = context.isAsExpected(what.preset + what.problem.name(), result, [&] {
+  const std::string name = what.preset + what.problem.name() + (what.exhaustive ? "full" : "");
+  const bool is_right = context.isAsExpected(name, result, [&] {
     StageTimes unused;
-    return checksum(makeCbmv(what.preset, what.problem, what.threads == 1 ? 2 : 1, unused)(pair));
+    const StereoOptions options = optionsOf(what, what.threads == 1 ? 2 : 1);
+    return checksum(makeCbmv(options, what.preset, what.problem, unused)(pair));
   });
   if (!is_right) {
     state.SkipWithError("the disparities depend on the threads or on the instruction set");
@@ -229,6 +238,7 @@ void addMethods(Context& context) {
   for (const Problem& problem : problems()) {
     for (const std::string& preset : presets()) {
       addCbmv("cbmv/", {preset, problem, allThreads(), 0}, context);
+      addCbmv("exhaustive/", {preset, problem, allThreads(), 0, true}, context);
       for (int threads = 1; threads < 2 * allThreads(); threads *= 2) {
         const int used = std::min(threads, allThreads());
         addCbmv("threads_" + std::to_string(used) + "/", {preset, problem, used, 0}, context);
@@ -250,7 +260,7 @@ void printPeakMemory(const std::string& preset, const Problem& problem) {
   const Pair pair = loadPair(problem);
   const double before = peakMemoryMib();
   StageTimes times;
-  makeCbmv(preset, problem, allThreads(), times)(pair);
+  makeCbmv(presetOptions(preset, problem, allThreads()), preset, problem, times)(pair);
   std::printf("{\"peak_mib\": %.0f, \"before_mib\": %.0f}\n", peakMemoryMib(), before);
 }
 

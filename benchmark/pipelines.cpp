@@ -30,8 +30,8 @@ cv::Ptr<cv::StereoMatcher> createOpenCv(const std::string& name, int disparities
 
 }  // namespace
 
-Method makeCbmv(const std::string& preset, const Problem& problem, int threads, StageTimes& times) {
-  const StereoOptions options = presetOptions(preset, problem, threads);
+Method makeCbmv(const StereoOptions& options, const std::string& preset, const Problem& problem,
+                StageTimes& times) {
   const Pair sample = loadPair(problem);
   const VerticalOffset offset =
       estimateVerticalOffset(sample.left, sample.right, options.range, options.rectification);

@@ -15,10 +15,11 @@ namespace cbmv::benchmarks {
 /// A whole method: a pair in, a disparity map out.
 using Method = std::function<cv::Mat(const Pair&)>;
 
-/// CBMV by a preset on so many threads; the times of its stages are those of the last frame. The
+/// CBMV with the forest of a preset; the times of its stages are those of the last frame. The
 /// vertical offset of the pair is estimated beforehand: on a stream, that happens beside the
 /// frames.
-Method makeCbmv(const std::string& preset, const Problem& problem, int threads, StageTimes& times);
+Method makeCbmv(const StereoOptions& options, const std::string& preset, const Problem& problem,
+                StageTimes& times);
 
 /// OpenCV's matchers: bm, sgbm, sgbm_3way, hh.
 const std::vector<std::string>& openCvMethods();
