@@ -132,7 +132,7 @@ class Tuner {
   void prepare(const SceneReference& scene, std::size_t data_set, const ErrorSum& errors) {
     const std::shared_ptr<const Forest> forest = forestForScene(request_.forests, scene);
     scenes_.push_back(
-        prepareScene(scene, *forest, request_.start.rectification, request_.rows, held_mb_));
+        prepareScene(scene, forest, request_.start.rectification, request_.rows, held_mb_));
     held_mb_ += scenes_.back().heldMb();
     scenes_.back().data_set = data_set;
     scenes_.back().errors = errors;
@@ -143,7 +143,7 @@ class Tuner {
     if (std::count(report_.forests.begin(), report_.forests.end(), forest->name) == 0) {
       report_.forests.push_back(forest->name);
     }
-    events_.progress("volume of " + scene.scene + " by " + forest->name);
+    events_.progress("scene " + scene.scene + ", forest " + forest->name);
   }
 
   Finding search(const Indices& which, const std::string& label,

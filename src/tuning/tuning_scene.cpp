@@ -9,7 +9,6 @@
 #include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
-#include "cbmv_stereo/volume/volume_builder.h"
 
 namespace cbmv {
 namespace {
@@ -74,9 +73,10 @@ std::shared_ptr<const Forest> forestForScene(
               scene.scene + "; it needs one that was not, or must be excluded");
 }
 
-TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
+TuningScene prepareScene(const SceneReference& scene, const std::shared_ptr<const Forest>& forest,
                          const RectificationOptions& rectification, int rows, double held_mb) {
   TuningScene prepared;
+  prepared.forest = forest;
   StereoScene& pair = prepared.scene;
   pair = scene.read();
   pair.left_color.release();
@@ -89,25 +89,28 @@ TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
   StereoOptions options;
   options.range = range;
   requireMachineMemory(held_mb + requiredMemoryMb(pair.left.size(), options),
-                       "scene " + pair.name + " and the volumes of those before it",
+                       "scene " + pair.name + " and those before it",
                        "choose fewer scenes or fewer rows of each");
-  VolumeBuilder().build(pair.left, pair.right, range, forest, ForestEvaluator(forest),
-                        prepared.volume);
   return prepared;
 }
 
 double TuningScene::heldMb() const {
   const double pixels = scene.left.rows * static_cast<double>(scene.left.cols);
   constexpr double bytes_of_maps = 1 + 1 + 4 + 1;
-  return pixels * (bytes_of_maps + scene.calibration.disparities) / (1 << 20);
+  return pixels * bytes_of_maps / (1 << 20);
 }
 
 double TuningScorer::error(const TuningScene& scene, const StereoOptions& options) {
   StereoOptions own = options;
   own.range = {0, scene.scene.calibration.disparities};
-  volume_ = scene.volume;  // estimate changes it
-  StereoResult result;
-  estimator_.estimate(scene.scene.left, scene.scene.right, own, volume_, result);
+  own.rectification.enabled = false;  // done by prepareScene
+  std::unique_ptr<StereoMatcher>& matcher = matchers_[scene.forest];
+  if (matcher == nullptr) {
+    matcher = std::make_unique<StereoMatcher>(scene.forest, own);
+  } else {
+    matcher->setOptions(own);
+  }
+  const StereoResult result = matcher->match(scene.scene.left, scene.scene.right);
   SceneMaps maps = toSceneMaps(result);
   maps.confidence.release();  // its score takes time and does not count
   try {

@@ -183,8 +183,7 @@ TEST_P(ShippedPreset, IsConsistent) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedPreset,
                          testing::Values("quality.yaml", "balanced.yaml", "realtime.yaml",
-                                         "default.yaml", "kitti.yaml", "middlebury.yaml",
-                                         "coarse_to_fine.yaml"));
+                                         "default.yaml", "kitti.yaml", "middlebury.yaml"));
 
 }  // namespace
 }  // namespace cbmv::test

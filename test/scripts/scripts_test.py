@@ -116,23 +116,25 @@ class Benchmark(ScriptTest):
         self.make_program("cbmv_eval")
         self.refuses_with("CBMV_DATA is not set")
         self.refuses_with(self.folder / "middlebury_eval3_Q", CBMV_DATA=self.folder)
+        self.make_folders("middlebury_eval3_Q")
+        self.refuses_with(self.folder / "kitti2012", CBMV_DATA=self.folder)
 
     def test_missing_matplotlib(self):
         self.make_program("cbmv_benchmark")
         self.make_program("cbmv_eval")
-        self.make_folders("middlebury_eval3_Q")
+        self.make_folders("middlebury_eval3_Q", "kitti2012")
         (self.folder / "matplotlib.py").write_text("raise ImportError('none here')\n")
         self.refuses_with("python3-matplotlib", CBMV_DATA=self.folder, PYTHONPATH=self.folder)
 
     def test_program_that_fails(self):
         self.make_program("cbmv_benchmark", "#!/bin/sh\nexit 1\n")
         self.make_program("cbmv_eval")
-        self.make_folders("middlebury_eval3_Q")
+        self.make_folders("middlebury_eval3_Q", "kitti2012")
         self.refuses_with("cbmv_benchmark has failed", CBMV_DATA=self.folder)
 
     def test_measurements_that_are_not_there(self):
-        self.make_folders("middlebury_eval3_Q", "output")
-        keep = ("--keep", "times", "memory", "accuracy")
+        self.make_folders("middlebury_eval3_Q", "kitti2012", "output")
+        keep = ("--keep", "times", "memory", "poles", "accuracy", "kitti")
         self.refuses_with(self.folder / "output/benchmark.json", *keep, CBMV_DATA=self.folder)
         (self.folder / "output/benchmark.json").write_text("{")
         self.refuses_with("is no JSON", *keep, CBMV_DATA=self.folder)

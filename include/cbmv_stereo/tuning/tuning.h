@@ -35,8 +35,7 @@ struct TuningEvents {
 
 /// Searches the parameters that follow the matching volume for the lowest error over the
 /// non-occluded pixels: the mean over the scenes of a data set, relative to that of the start; of
-/// several data sets, the mean of these. Each scene's volume is built once and kept (one byte a
-/// hypothesis).
+/// several data sets, the mean of these.
 ///
 /// Cross-validation searches anew without each of middleburyFolds and scores its scenes with what
 /// was found: what the search is worth on scenes that it has not seen.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,9 +9,8 @@
 #include "cbmv_stereo/evaluation/scene_score.h"
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/data_set.h"
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
 #include "cbmv_stereo/pipeline/options.h"
-#include "cbmv_stereo/volume/volume.h"
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
 
 namespace cbmv {
 
@@ -27,29 +27,28 @@ struct ErrorSum {
 ErrorSum parseErrorSum(const std::string& name);
 
 /// The first of the forests that was not trained on the scene, by name and data set. Throws Error
-/// that names the scene when there is none: a volume by a forest that knows the answer is better
+/// that names the scene when there is none: matching by a forest that knows the answer is better
 /// than any that the parameters will meet.
 std::shared_ptr<const Forest> forestForScene(
     const std::vector<std::shared_ptr<const Forest>>& forests, const SceneReference& scene);
 
-/// A scene with the matching volume, which stays the same while optimization and refinement are
-/// tuned.
+/// A scene, and the forest that matches it.
 struct TuningScene {
   std::size_t data_set = 0;  ///< any number that tells the data sets apart
   ErrorSum errors;           ///< what counts
   StereoScene scene;         ///< the right image aligned; without left_color
-  MatchingVolume volume;     ///< of the left view, over 0 … calibration.disparities − 1
+  std::shared_ptr<const Forest> forest;
 
   double heldMb() const;  ///< memory that it keeps, MB
 };
 
-/// Aligns the pair as the options say and builds the volume. rows > 0: only so many rows from the
-/// middle of the scene are kept, to save time. Throws Error that names the scene or file, also
+/// Aligns the pair as the options say. rows > 0: only so many rows from the middle of the scene are
+/// kept, to save time. Throws Error that names the scene or file, also
 /// where the machine has no memory for the scene beside `held_mb`, what earlier ones keep.
-TuningScene prepareScene(const SceneReference& scene, const Forest& forest,
+TuningScene prepareScene(const SceneReference& scene, const std::shared_ptr<const Forest>& forest,
                          const RectificationOptions& rectification, int rows, double held_mb = 0);
 
-/// Scores scenes; holds the buffers for that.
+/// Scores scenes; holds a matcher for each forest.
 class TuningScorer {
  public:
   /// The scene's error sum over the non-occluded pixels, with these options over the
@@ -57,8 +56,7 @@ class TuningScorer {
   double error(const TuningScene& scene, const StereoOptions& options);
 
  private:
-  DisparityEstimator estimator_;
-  MatchingVolume volume_;
+  std::map<std::shared_ptr<const Forest>, std::unique_ptr<StereoMatcher>> matchers_;
 };
 
 }  // namespace cbmv
