@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <tbb/parallel_for.h>
 
+#include "cost_optimizer.h"
 #include "stopwatch.h"
 
 #include "cbmv_stereo/optimization/coarse_volume.h"
@@ -69,21 +69,21 @@ class DisparityEstimator::Impl {
       const Stopwatch watch(result.times.sgm_ms);
       findSurfaces(volume);
     }
-    optimize(View::kLeft, volume, result.times);
+    const OptimizedVolume& costs = optimize(View::kLeft, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
-      winnerTakesAll(*optimized_, View::kLeft, options_.range, winners_);
+      winnerTakesAll(costs, View::kLeft, options_.range, winners_);
       readConfidence(volume, winners_, options_.range, result.confidence);
       winners_.copyTo(result.disparity);
       if (options_.refinement.subpixel) {
-        refineSubpixel(*optimized_, View::kLeft, options_.range, result.disparity);
+        refineSubpixel(costs, View::kLeft, options_.range, result.disparity);
       }
     }
     if (matchesRightView()) {
       matchRightView(volume, result);
     } else if (options_.refinement.left_right_check) {
       const Stopwatch watch(result.times.refinement_ms);
-      winnerTakesAllAcross(*optimized_, options_.range, across_rows_, result.right_disparity);
+      winnerTakesAllAcross(costs, options_.range, across_rows_, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
     refiner_.refine(winners_, options_.range, options_.refinement,
@@ -140,67 +140,36 @@ class DisparityEstimator::Impl {
       const Stopwatch watch(result.times.volume_ms);
       shiftToRightView(options_.range, volume, shift_rows_);
     }
-    optimize(View::kRight, volume, result.times);
+    const OptimizedVolume& costs = optimize(View::kRight, volume, result.times);
     const Stopwatch watch(result.times.refinement_ms);
-    winnerTakesAll(*optimized_, View::kRight, options_.range, result.right_disparity);
+    winnerTakesAll(costs, View::kRight, options_.range, result.right_disparity);
   }
 
-  /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
-  /// Leaves the costs in *optimized_.
-  void optimize(View view, const MatchingVolume& volume, StageTimes& times) {
+  /// Of `volume`, which is of `view`.
+  const OptimizedVolume& optimize(View view, const MatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
-    matching_costs_ = &volume;
-    aggregate(options_.aggregation.iterations_before, view, reference, other, times);
+    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
     const EdgeImages edges{reference.gray, other.gray,
                            options_.sgm.edge_threshold * reference.deviation,
                            options_.sgm.edge_threshold * other.deviation};
-    for (int i = 0; i < options_.sgm.iterations; ++i) {
-      const Stopwatch watch(times.sgm_ms);
-      apply([&](const auto& costs, OptimizedVolume& mean) {
-        sgm_.match(costs, edges, reference.surface, view, options_.range, options_.sgm, mean);
-      });
-    }
-    aggregate(options_.aggregation.iterations_after, view, reference, other, times);
-    if (matching_costs_ != nullptr) {
-      widen(volume, *optimized_);
-    }
-  }
-
-  void aggregate(int iterations, View view, const PreparedImage& reference,
-                 const PreparedImage& other, StageTimes& times) {
-    const Stopwatch watch(times.aggregation_ms);
     const int max_cost = sgmCostBound(options_.sgm);
-    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
-    for (int i = 0; i < iterations; ++i) {
-      apply([&](const auto& costs, OptimizedVolume& aggregated) {
-        aggregator_.aggregate(costs, max_cost, arms, view, options_.range, aggregated);
-      });
-    }
-  }
-
-  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs, so
-  /// that a second volume is needed from the second stage on only.
-  template <typename Stage>
-  void apply(const Stage& stage) {
-    if (matching_costs_ != nullptr) {
-      stage(*matching_costs_, *optimized_);
-      matching_costs_ = nullptr;
-    } else {
-      stage(*optimized_, *spare_);
-      std::swap(optimized_, spare_);
-    }
+    return optimizer_.optimize(
+        volume, options_, times,
+        [&](const auto& costs, OptimizedVolume& aggregated) {
+          aggregator_.aggregate(costs, max_cost, arms, view, options_.range, aggregated);
+        },
+        [&](const auto& costs, OptimizedVolume& mean) {
+          sgm_.match(costs, edges, reference.surface, view, options_.range, options_.sgm, mean);
+        },
+        [&](const auto& costs, OptimizedVolume& wide) { widen(costs, wide); });
   }
 
   StereoOptions options_;
   PreparedImage left_;
   PreparedImage right_;
-  OptimizedVolume first_;
-  OptimizedVolume second_;
-  OptimizedVolume* optimized_ = &first_;
-  OptimizedVolume* spare_ = &second_;
-  const MatchingVolume* matching_costs_ = nullptr;  ///< the costs, until a stage has replaced them
-  cv::Mat winners_;                                 ///< of the left view, whole pixels
+  CostOptimizer<MatchingVolume, OptimizedVolume> optimizer_;
+  cv::Mat winners_;  ///< of the left view, whole pixels
 
   std::unique_ptr<CoarsePair> coarse_;
 

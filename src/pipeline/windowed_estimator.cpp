@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "cost_optimizer.h"
 #include "stopwatch.h"
 
 #include "cbmv_stereo/optimization/prepared_image.h"
@@ -49,96 +49,65 @@ class WindowedEstimator::Impl {
       left_.surface = surfaces.left;
       right_.surface = surfaces.right;
     }
-    optimize(View::kLeft, space, volume, result.times);
+    const WindowedOptimizedVolume& costs = optimize(View::kLeft, space, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
-      windowedWinnerMaps(space, *optimized_, volume, options_.refinement.subpixel,
+      windowedWinnerMaps(space, costs, volume, options_.refinement.subpixel,
                          {winners_, result.disparity, result.confidence});
     }
-    findRightWinners(space, volume, result);
+    findRightWinners(space, volume, costs, result);
     const Stopwatch watch(result.times.refinement_ms);
     refiner_.refine(winners_, space.range(), options_.refinement,
                     {result.disparity, result.right_disparity, result.labels, result.confidence});
   }
 
  private:
+  /// `costs` are the optimized ones of the left view.
   void findRightWinners(const SearchSpace& space, const WindowedMatchingVolume& volume,
-                        StereoResult& result) {
+                        const WindowedOptimizedVolume& costs, StereoResult& result) {
     if (!options_.refinement.left_right_check) {
       return;
     }
     if (!options_.refinement.optimize_right_view) {
       const Stopwatch watch(result.times.refinement_ms);
-      windowedWinnersAcross(space, *optimized_, across_rows_, result.right_disparity);
+      windowedWinnersAcross(space, costs, across_rows_, result.right_disparity);
       return;
     }
     {
       const Stopwatch watch(result.times.volume_ms);
       right_view_.build(space, volume, right_space_, right_volume_);
     }
-    optimize(View::kRight, right_space_, right_volume_, result.times);
+    const WindowedOptimizedVolume& right_costs =
+        optimize(View::kRight, right_space_, right_volume_, result.times);
     const Stopwatch watch(result.times.refinement_ms);
-    windowedWinners(right_space_, *optimized_, View::kRight, result.right_disparity);
+    windowedWinners(right_space_, right_costs, View::kRight, result.right_disparity);
   }
 
-  /// Aggregation, semi-global matching and aggregation again of `volume`, which is of `view`.
-  /// Leaves the costs in *optimized_.
-  void optimize(View view, const SearchSpace& space, const WindowedMatchingVolume& volume,
-                StageTimes& times) {
+  /// Of `volume`, which is of `view`.
+  const WindowedOptimizedVolume& optimize(View view, const SearchSpace& space,
+                                          const WindowedMatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
-    matching_costs_ = &volume;
-    aggregate(options_.aggregation.iterations_before, view, space, times);
+    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
     const EdgeImages edges{reference.gray, other.gray,
                            options_.sgm.edge_threshold * reference.deviation,
                            options_.sgm.edge_threshold * other.deviation};
-    for (int i = 0; i < options_.sgm.iterations; ++i) {
-      const Stopwatch watch(times.sgm_ms);
-      apply([&](const auto& costs, WindowedOptimizedVolume& mean) {
-        sgm_.match(space, costs, edges, reference.surface, view, options_.sgm, mean);
-      });
-    }
-    aggregate(options_.aggregation.iterations_after, view, space, times);
-    if (matching_costs_ != nullptr) {
-      widen(volume, space, *optimized_);
-    }
-  }
-
-  void aggregate(int iterations, View view, const SearchSpace& space, StageTimes& times) {
-    const Stopwatch watch(times.aggregation_ms);
-    const PreparedImage& reference = view == View::kLeft ? left_ : right_;
-    const PreparedImage& other = view == View::kLeft ? right_ : left_;
     const int max_cost = sgmCostBound(options_.sgm);
-    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
-    for (int i = 0; i < iterations; ++i) {
-      apply([&](const auto& costs, WindowedOptimizedVolume& aggregated) {
-        aggregator_.aggregate(space, costs, max_cost, arms, view, aggregated);
-      });
-    }
-  }
-
-  /// Replaces the costs by what a stage makes of them. The first stage reads the matching costs, so
-  /// that a second volume is needed from the second stage on only.
-  template <typename Stage>
-  void apply(const Stage& stage) {
-    if (matching_costs_ != nullptr) {
-      stage(*matching_costs_, *optimized_);
-      matching_costs_ = nullptr;
-    } else {
-      stage(*optimized_, *spare_);
-      std::swap(optimized_, spare_);
-    }
+    return optimizer_.optimize(
+        volume, options_, times,
+        [&](const auto& costs, WindowedOptimizedVolume& aggregated) {
+          aggregator_.aggregate(space, costs, max_cost, arms, view, aggregated);
+        },
+        [&](const auto& costs, WindowedOptimizedVolume& mean) {
+          sgm_.match(space, costs, edges, reference.surface, view, options_.sgm, mean);
+        },
+        [&](const auto& costs, WindowedOptimizedVolume& wide) { widen(costs, space, wide); });
   }
 
   StereoOptions options_;
   PreparedImage left_;
   PreparedImage right_;
-  WindowedOptimizedVolume first_;
-  WindowedOptimizedVolume second_;
-  WindowedOptimizedVolume* optimized_ = &first_;
-  WindowedOptimizedVolume* spare_ = &second_;
-  /// The costs, until a stage has replaced them.
-  const WindowedMatchingVolume* matching_costs_ = nullptr;
+  CostOptimizer<WindowedMatchingVolume, WindowedOptimizedVolume> optimizer_;
   cv::Mat winners_;  ///< of the left view, whole pixels
 
   SearchSpace right_space_;

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <utility>
+
+#include "stopwatch.h"
+
+#include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/pipeline/stereo_result.h"
+
+namespace cbmv {
+
+/// Aggregation, semi-global matching and aggregation again of one view's costs, as often as the
+/// options say. The first step reads the matching costs, so that a second volume of optimized costs
+/// is needed from the second step on only. Holds these volumes.
+template <typename Matching, typename Optimized>
+class CostOptimizer {
+ public:
+  /// `aggregate` and `match` (semi-global matching) are called with costs, of either kind, and the
+  /// volume that they fill; `widen` copies matching costs where there is no step at all.
+  template <typename Aggregate, typename Match, typename Widen>
+  const Optimized& optimize(const Matching& costs, const StereoOptions& options, StageTimes& times,
+                            const Aggregate& aggregate, const Match& match, const Widen& widen) {
+    matching_costs_ = &costs;
+    repeat(options.aggregation.iterations_before, aggregate, times.aggregation_ms);
+    repeat(options.sgm.iterations, match, times.sgm_ms);
+    repeat(options.aggregation.iterations_after, aggregate, times.aggregation_ms);
+    if (matching_costs_ != nullptr) {
+      widen(costs, *optimized_);
+    }
+    return *optimized_;
+  }
+
+ private:
+  template <typename Step>
+  void repeat(int iterations, const Step& step, double& ms) {
+    const Stopwatch watch(ms);
+    for (int i = 0; i < iterations; ++i) {
+      if (matching_costs_ != nullptr) {
+        step(*matching_costs_, *optimized_);
+        matching_costs_ = nullptr;
+      } else {
+        step(*optimized_, *spare_);
+        std::swap(optimized_, spare_);
+      }
+    }
+  }
+
+  Optimized first_;
+  Optimized second_;
+  Optimized* optimized_ = &first_;
+  Optimized* spare_ = &second_;
+  const Matching* matching_costs_ = nullptr;  ///< the costs, until a step has replaced them
+};
+
+}  // namespace cbmv
