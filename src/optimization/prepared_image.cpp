@@ -13,4 +13,15 @@ void PreparedImage::prepare(const cv::Mat& image, const AggregationOptions& opti
   }
 }
 
+SupportArms supportArmsOf(const PreparedImage& reference, const PreparedImage& other,
+                          const AggregationOptions& options) {
+  return {reference.arms, other.arms, options.arm_length_px - 1};
+}
+
+EdgeImages edgeImagesOf(const PreparedImage& reference, const PreparedImage& other,
+                        const SgmOptions& options) {
+  return {reference.gray, other.gray, options.edge_threshold * reference.deviation,
+          options.edge_threshold * other.deviation};
+}
+
 }  // namespace cbmv

@@ -149,10 +149,8 @@ class DisparityEstimator::Impl {
   const OptimizedVolume& optimize(View view, const MatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
-    const SupportArms arms{reference.arms, other.arms, options_.aggregation.arm_length_px - 1};
-    const EdgeImages edges{reference.gray, other.gray,
-                           options_.sgm.edge_threshold * reference.deviation,
-                           options_.sgm.edge_threshold * other.deviation};
+    const SupportArms arms = supportArmsOf(reference, other, options_.aggregation);
+    const EdgeImages edges = edgeImagesOf(reference, other, options_.sgm);
     const int max_cost = sgmCostBound(options_.sgm);
     return optimizer_.optimize(
         volume, options_, times,

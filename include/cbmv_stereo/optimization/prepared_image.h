@@ -2,6 +2,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "cbmv_stereo/optimization/edge_images.h"
 #include "cbmv_stereo/optimization/options.h"
 
 namespace cbmv {
@@ -16,5 +18,13 @@ struct PreparedImage {
   /// Sets all but the surface; memory is reused.
   void prepare(const cv::Mat& image, const AggregationOptions& options);
 };
+
+/// What aggregation takes of the view whose image is `reference`.
+SupportArms supportArmsOf(const PreparedImage& reference, const PreparedImage& other,
+                          const AggregationOptions& options);
+
+/// What semi-global matching takes of it.
+EdgeImages edgeImagesOf(const PreparedImage& reference, const PreparedImage& other,
+                        const SgmOptions& options);
 
 }  // namespace cbmv
