@@ -150,8 +150,9 @@ int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple 
 /// Memory of one thread.
 class RowScanner {
  public:
-  void resize(int width, const DisparityRange& range) {
+  void resize(int width, const DisparityRange& range, unsigned clear_percent) {
     width_ = width;
+    clear_percent_ = clear_percent;
     range_ = range;
     pitch_ = kVector + roundUp(width, kVector) + kVector;
     const std::size_t size = static_cast<std::size_t>(pitch_) * range.count;
@@ -207,7 +208,7 @@ class RowScanner {
     for (int x = 0; x < width_; ++x) {
       const int index = winners.index[x];
       const bool is_clear = winners.second_cost[x] != kNoCost &&
-                            100U * winners.cost[x] < 99U * winners.second_cost[x];
+                            100U * winners.cost[x] < clear_percent_ * winners.second_cost[x];
       const bool is_mutual =
           std::abs(winners.right_index[x - range_.min - index] - index) <= 1;
       matches[x] = is_clear && is_mutual ? static_cast<std::int16_t>(index) : kNoMatch;
@@ -217,6 +218,7 @@ class RowScanner {
   using Line = std::vector<std::uint16_t>;
 
   int width_ = 0;
+  unsigned clear_percent_ = 0;
   DisparityRange range_;
   int pitch_ = 0;      ///< of lines with a vector more on both sides
   int right_pad_ = 0;  ///< columns before and behind the right image that matches may fall on
@@ -229,13 +231,15 @@ class RowScanner {
 
 class MutualMatcher::Impl {
  public:
+  explicit Impl(int clear_percent) : clear_percent_(static_cast<unsigned>(clear_percent)) {}
+
   void find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
             cv::Mat& matches) {
     CV_Assert(left.type() == CV_8UC1 && right.type() == CV_8UC1 && left.size() == right.size());
     transform(left, left_);
     transform(right, right_);
     matches.create(left.size(), CV_16SC1);
-    scanners_.prepare([&](RowScanner& scanner) { scanner.resize(left.cols, range); });
+    scanners_.prepare([&](RowScanner& scanner) { scanner.resize(left.cols, range, clear_percent_); });
     const int tasks = (left.rows + kRowsPerTask - 1) / kRowsPerTask;
     tbb::parallel_for(0, tasks, [&](int task) {
       const int begin = task * kRowsPerTask;
@@ -250,13 +254,15 @@ class MutualMatcher::Impl {
     census.compute(padded_, kWindow);
   }
 
+  const unsigned clear_percent_;
   cv::Mat padded_;
   CensusTransform left_;
   CensusTransform right_;
   PerThread<RowScanner> scanners_;
 };
 
-MutualMatcher::MutualMatcher() : impl_(std::make_unique<Impl>()) {}
+MutualMatcher::MutualMatcher(int clear_percent)
+    : impl_(std::make_unique<Impl>(clear_percent)) {}
 MutualMatcher::~MutualMatcher() = default;
 
 void MutualMatcher::find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
