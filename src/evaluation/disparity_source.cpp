@@ -10,6 +10,7 @@
 
 #include "cbmv_stereo/io/disparity_file.h"
 #include "cbmv_stereo/io/pfm.h"
+#include "cbmv_stereo/pipeline/frame_processor.h"
 #include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
@@ -20,9 +21,10 @@ namespace fs = std::filesystem;
 
 constexpr double kPngDivisor = 256.0;
 
-SceneMaps matchScene(StereoMatcher& matcher, const StereoScene& scene) {
-  StereoOptions options = matcher.options();
-  options.range = {0, scene.calibration.disparities};
+SceneMaps matchScene(StereoMatcher& matcher, StereoOptions options, const StereoScene& scene) {
+  options.range = options.range.isAutomatic()
+                      ? rangeOfPair({scene.left, scene.right}, options.range)
+                      : DisparityRange{0, scene.calibration.disparities};
   requireMemory(scene.left.size(), options);
   matcher.setOptions(options);
   return toSceneMaps(matcher.match(scene.left, scene.right));
@@ -64,7 +66,7 @@ SceneMaps toSceneMaps(const StereoResult& result) {
 
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options) {
   const auto matcher = std::make_shared<StereoMatcher>(std::move(forest), options);
-  return [matcher](const StereoScene& scene) { return matchScene(*matcher, scene); };
+  return [=](const StereoScene& scene) { return matchScene(*matcher, options, scene); };
 }
 
 DisparitySource fileSource(const std::string& folder) {

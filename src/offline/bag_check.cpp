@@ -150,7 +150,7 @@ BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const
   if (const auto frame =
           prepareOne(plan, processor, options.matching.allow_different_frame_ids, check)) {
     describeCalibration(frame->pair, processor.measureOffset(frame->pair),
-                        options.matching.stereo.range, check);
+                        processor.rangeOf(frame->pair), check);
     check.problems.insert(check.problems.end(), frame->pair.warnings.begin(),
                           frame->pair.warnings.end());
     describeCost(plan, processor, frame->pair, processor.estimateOffset(frame->pair), check);

@@ -25,7 +25,7 @@ VerticalOffsetMeasurement measure(const CameraTopics& topics, const PlannedFrame
   const LoadedFrame loaded = loader.load(frame);
   const GrayPair pair = toGrayPair(toStereoInput(loaded.messages, loader.topicNames(), true));
   options.rectification.enabled = true;
-  return measureVerticalOffset(pair.left, pair.right, clipRange(options.range, pair.left.cols),
+  return measureVerticalOffset(pair.left, pair.right, rangeOfPair(pair, options.range),
                                options.rectification);
 }
 

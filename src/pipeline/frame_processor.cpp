@@ -5,17 +5,16 @@
 #include <limits>
 #include <utility>
 
+#include "thread_limit.h"
+
 #include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
-namespace {
 
-std::string rangeText(const DisparityRange& range) {
+std::string describeRange(const DisparityRange& range) {
   return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
 }
-
-}  // namespace
 
 double disparityStep(const DisparityRange& range, const RefinementOptions& options) {
   if (!options.subpixel && options.bilateral_sigma_px == 0) {
@@ -30,11 +29,16 @@ DisparityRange clipRange(const DisparityRange& range, int image_width) {
   const int highest = std::min(range.max(), image_width - 1);
   if (lowest > highest) {
     throw InputError(InputFault::kDisparityRange,
-                     "the disparities " + rangeText(range) + " lie outside of images " +
+                     "the disparities " + describeRange(range) + " lie outside of images " +
                          std::to_string(image_width) +
                          " px wide; min_disparity and disparity_range have to leave some inside");
   }
   return {lowest, highest - lowest + 1};
+}
+
+DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted) {
+  return clipRange(wanted.isAutomatic() ? OwnRange().rangeOf(images, wanted.min) : wanted,
+                   images.left.cols);
 }
 
 StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
@@ -51,7 +55,11 @@ StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
 }
 
 FrameProcessor::FrameProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options)
-    : matcher_(std::move(forest), options), options_(options) {}
+    : matcher_(std::move(forest), options),
+      threads_(std::make_unique<ThreadLimit>(options.threads)),
+      options_(options) {}
+
+FrameProcessor::~FrameProcessor() = default;
 
 void FrameProcessor::setOptions(const StereoOptions& options) {
   const std::lock_guard<std::mutex> lock(options_mutex_);
@@ -77,18 +85,22 @@ VerticalOffset FrameProcessor::estimateOffset(const PreparedPair& pair) const {
 }
 
 VerticalOffsetMeasurement FrameProcessor::measureOffset(const PreparedPair& pair) const {
-  const StereoOptions options = wantedOptions();
-  return measureVerticalOffset(pair.images.left, pair.images.right,
-                               clipRange(options.range, pair.images.left.cols),
-                               options.rectification);
+  return measureVerticalOffset(pair.images.left, pair.images.right, rangeOf(pair),
+                               wantedOptions().rectification);
+}
+
+DisparityRange FrameProcessor::rangeOf(const PreparedPair& pair) const {
+  return rangeOfPair(pair.images, wantedOptions().range);
 }
 
 ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& offset) {
+  return match(pair, offset, own_range_);
+}
+
+ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& offset,
+                                     RangeSource& ranges) {
   takeNewOptions();
-  const cv::Size size = pair.images.left.size();
-  if (adapted_size_ != size) {
-    adaptTo(size, pair.names.left_image);
-  }
+  adaptTo(pair, ranges);
   const StereoOptions& options = matcher_.options();
   ProcessedFrame frame;
   frame.result = matcher_.match(pair.images.left, pair.images.right,
@@ -99,6 +111,7 @@ ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& off
   frame.left_gray = pair.images.left;
   frame.geometry = pair.geometry;
   frame.warnings = pair.warnings;
+  frame.range_is_automatic = range_is_automatic_;
   frame.disparity_step_px = disparityStep(options.range, options.refinement);
   frame.range_correction = range_correction_;
   frame.memory_mb = memory_mb_;
@@ -130,15 +143,29 @@ void FrameProcessor::takeNewOptions() {
   }
 }
 
-void FrameProcessor::adaptTo(cv::Size image_size, const std::string& image_name) {
-  const StereoOptions wanted = wantedOptions();
+void FrameProcessor::adaptTo(const PreparedPair& pair, RangeSource& ranges) {
+  StereoOptions wanted = wantedOptions();
+  range_is_automatic_ = wanted.range.isAutomatic();
+  if (range_is_automatic_) {
+    threads_->set(wanted.threads);
+    threads_->run([&] { wanted.range = ranges.rangeOf(pair.images, wanted.range.min); });
+  }
+  const cv::Size size = pair.images.left.size();
+  if (adapted_size_ != size || adapted_range_ != wanted.range) {
+    setOptionsFor(size, wanted, pair.names.left_image);
+    adapted_range_ = wanted.range;
+  }
+}
+
+void FrameProcessor::setOptionsFor(cv::Size image_size, const StereoOptions& wanted,
+                                   const std::string& image_name) {
   const StereoOptions options = optionsFor(image_size, wanted, image_name);
   range_correction_.clear();
   if (options.range.count != wanted.range.count) {
     range_correction_ = "disparity_range is " + std::to_string(wanted.range.count) +
                         ", but the images on " + image_name + " are only " +
                         std::to_string(image_size.width) + " px wide: the disparities " +
-                        rangeText(options.range) + " are used";
+                        describeRange(options.range) + " are used";
   }
   matcher_.setOptions(options);
   memory_mb_ = requiredMemoryMb(image_size, options);

@@ -92,8 +92,8 @@ void addMatchingParameters(ParameterTable& table) {
       "min_disparity", "px", -2048, 2048, [](Options& o) -> int& { return o.range.min; },
       "Lowest disparity that is tested; negative for toed-in cameras");
   table.add(
-      "disparity_range", "px", 1, 4096, [](Options& o) -> int& { return o.range.count; },
-      "Number of disparities that are tested, from min_disparity on");
+      "disparity_range", "px", 0, 4096, [](Options& o) -> int& { return o.range.count; },
+      "Number of disparities that are tested, from min_disparity on; 0: found in the images");
   table.add(
       "max_memory_mb", "MB", 0, 100000, [](Options& o) -> int& { return o.max_memory_mb; },
       "Memory that a pair may take; larger images or ranges are refused; 0: no bound");

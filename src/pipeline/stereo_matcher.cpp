@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <tbb/task_arena.h>
 
 #include "stopwatch.h"
+#include "thread_limit.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_evaluator.h"
@@ -16,6 +16,7 @@
 #include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/pyramid_matcher.h"
+#include "cbmv_stereo/search/range_source.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
 namespace cbmv {
@@ -67,51 +68,57 @@ class StereoMatcher::Impl {
     requireConsistent(options);
     options_ = options;
     checked_size_.reset();
-    arena_ = std::make_unique<tbb::task_arena>(
-        options.threads > 0 ? options.threads : static_cast<int>(tbb::task_arena::automatic));
+    threads_.set(options.threads);
   }
 
   void match(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
              StereoResult& result) {
     requirePair(left, right);
-    if (checked_size_ != left.size()) {
-      requireMemory(left.size(), options_);
-      checked_size_ = left.size();
-    }
     result.times = {};
     result.rectification = {};
-    if (tbb::this_task_arena::max_concurrency() == arena_->max_concurrency()) {
-      run(left, right, offset, result);  // as many threads are here already
-    } else {
-      arena_->execute([&] { run(left, right, offset, result); });
-    }
+    threads_.run([&] { run(left, right, offset, result); });
   }
 
  private:
   void run(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
            StereoResult& result) {
     const Stopwatch total(result.times.total_ms);
-    const cv::Mat aligned = alignPair(left, right, offset, result);
-    if (searchLevels(left.size(), options_) > 0) {
-      pyramid_.match(left, aligned, options_, *forest_, evaluator_, result);
+    const StereoOptions options = optionsOf(left, right);
+    const cv::Mat aligned = alignPair(left, right, options, offset, result);
+    if (searchLevels(left.size(), options) > 0) {
+      pyramid_.match(left, aligned, options, *forest_, evaluator_, result);
       return;
     }
     {
       const Stopwatch watch(result.times.volume_ms);
-      builder_.build(left, aligned, options_.range, *forest_, evaluator_, volume_);
+      builder_.build(left, aligned, options.range, *forest_, evaluator_, volume_);
     }
-    estimator_.estimate(left, aligned, options_, volume_, result);
+    estimator_.estimate(left, aligned, options, volume_, result);
   }
 
-  cv::Mat alignPair(const cv::Mat& left, const cv::Mat& right, const VerticalOffset* offset,
-                    StereoResult& result) {
+  /// Those of the pair, with its range. Throws Error if they need too much memory.
+  StereoOptions optionsOf(const cv::Mat& left, const cv::Mat& right) {
+    StereoOptions options = options_;
+    if (options.range.isAutomatic()) {
+      options.range = own_range_.rangeOf({left, right}, options.range.min);
+    }
+    if (checked_size_ != left.size() || options_.range.isAutomatic()) {
+      requireMemory(left.size(), options);
+      checked_size_ = left.size();
+    }
+    return options;
+  }
+
+  cv::Mat alignPair(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
+                    const VerticalOffset* offset, StereoResult& result) {
     const Stopwatch watch(result.times.rectification_ms);
-    if (!options_.rectification.enabled) {
+    if (!options.rectification.enabled) {
       return right;
     }
-    result.rectification = offset != nullptr ? *offset
-                                             : estimateVerticalOffset(left, right, options_.range,
-                                                                      options_.rectification);
+    result.rectification =
+        offset != nullptr
+            ? *offset
+            : estimateVerticalOffset(left, right, options.range, options.rectification);
     return alignRightRows(right, result.rectification, aligned_);
   }
 
@@ -119,7 +126,8 @@ class StereoMatcher::Impl {
   ForestEvaluator evaluator_;
   StereoOptions options_;
   std::optional<cv::Size> checked_size_;  ///< of images that do not need too much memory
-  std::unique_ptr<tbb::task_arena> arena_;
+  ThreadLimit threads_;
+  OwnRange own_range_;
   cv::Mat aligned_;
   VolumeBuilder builder_;
   MatchingVolume volume_;

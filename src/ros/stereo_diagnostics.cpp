@@ -131,6 +131,8 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
   newest_ = Newest{frame.left_gray.size(),
                    frame.geometry,
                    frame.result.times,
+                   frame.result.range,
+                   frame.range_is_automatic,
                    frame.memory_mb,
                    frame.rectification,
                    !frame.result.rectification.isZero(),
@@ -245,6 +247,8 @@ void StereoDiagnostics::describeMethod(Status& status, ros::SteadyTime now) cons
   status.add("total, mean (ms)", number(results_.mean(now), 1));
   status.add("total, largest (ms)", number(results_.largest(now), 1));
   if (newest_) {
+    status.add("disparities", describeRange(newest_->range) +
+                                  (newest_->range_is_automatic ? ", found in the images" : ""));
     const StageTimes& times = newest_->times;
     status.add("rectification (ms)", number(times.rectification_ms, 1));
     status.add("volume (ms)", number(times.volume_ms, 1));

@@ -89,6 +89,8 @@ class StereoDiagnostics {
     cv::Size size;
     StereoGeometry geometry;
     StageTimes times;
+    DisparityRange range;
+    bool range_is_automatic = false;
     double memory_mb = 0;
     RectificationState rectification;
     bool is_corrected = false;

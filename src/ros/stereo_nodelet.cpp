@@ -243,7 +243,7 @@ void StereoNodelet::work(const StereoMessages& frame) {
   try {
     const PreparedPair pair =
         processor_->prepare(toStereoInput(frame, topics_, allow_different_frame_ids_));
-    const ProcessedFrame processed = processor_->match(pair, offset_);
+    const ProcessedFrame processed = processor_->match(pair, offset_, range_);
     diagnostics_->processed(processed, ros::SteadyTime::now());
     warnOf(processed);
     const std_msgs::Header& header = frame.left_image->header;
@@ -259,6 +259,7 @@ void StereoNodelet::work(const StereoMessages& frame) {
 
 /// The rig's faults are logged seldom, as they stay: the diagnostics hold them all the time.
 void StereoNodelet::warnOf(const ProcessedFrame& processed) {
+  reportRange(processed);
   if (!processed.range_correction.empty()) {
     warn(kRangeClipped, processed.range_correction);
   }
@@ -272,6 +273,15 @@ void StereoNodelet::warnOf(const ProcessedFrame& processed) {
       NODELET_WARN_STREAM(warning);
     }
   }
+}
+
+void StereoNodelet::reportRange(const ProcessedFrame& processed) {
+  const DisparityRange& range = processed.result.range;
+  if (processed.range_is_automatic && reported_range_ != range) {
+    NODELET_INFO_STREAM("disparity_range is automatic: the disparities " << describeRange(range)
+                                                                         << " are searched");
+  }
+  reported_range_ = processed.range_is_automatic ? std::optional(range) : std::nullopt;
 }
 
 cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {

@@ -60,6 +60,8 @@ class StereoNodelet : public nodelet::Nodelet {
   // In the worker's thread
   void work(const StereoMessages& frame);
   void warnOf(const ProcessedFrame& processed);
+  /// Logs an automatic range when it changes.
+  void reportRange(const ProcessedFrame& processed);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
   /// How long a colour image may come after the pair is matched.
   std::chrono::milliseconds colorPatience();
@@ -72,7 +74,11 @@ class StereoNodelet : public nodelet::Nodelet {
   std::string forest_name_;
   int threads_ = 0;
   std::unique_ptr<FrameProcessor> processor_;
-  FollowedOffset offset_;  ///< of the worker's thread
+  // Of the worker's thread
+  FollowedOffset offset_;
+  FollowedRange range_;
+  std::optional<DisparityRange> reported_range_;
+
   bool allow_different_frame_ids_ = true;
   StereoTopics topics_;
   std::string color_name_;   ///< as configured

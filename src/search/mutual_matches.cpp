@@ -201,8 +201,9 @@ int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple 
 /// Memory of one thread.
 class RowScanner {
  public:
-  void resize(int width, const DisparityRange& range) {
+  void resize(int width, const DisparityRange& range, unsigned clear_percent) {
     width_ = width;
+    clear_percent_ = clear_percent;
     range_ = range;
     pitch_ = kVector + roundUp(width, kVector) + kVector;
     const std::size_t size = static_cast<std::size_t>(pitch_) * range.count;
@@ -258,7 +259,8 @@ class RowScanner {
     HWY_DYNAMIC_DISPATCH(findWinners)(sums, costs_.data(), winners);
     for (int x = 0; x < width_; ++x) {
       const int index = index_[x];
-      const bool is_clear = second_cost_[x] != kNoCost && 100U * cost_[x] < 99U * second_cost_[x];
+      const bool is_clear =
+          second_cost_[x] != kNoCost && 100U * cost_[x] < clear_percent_ * second_cost_[x];
       // A pixel with a second cost has a winner, whose match lies inside.
       const bool is_match = is_clear && std::abs(right_index_[x - range_.min - index] - index) <= 1;
       matches[x] = is_match ? static_cast<std::int16_t>(index) : kNoMatch;
@@ -268,13 +270,14 @@ class RowScanner {
   using Line = std::vector<std::uint16_t>;
 
   int width_ = 0;
+  unsigned clear_percent_ = 0;
   DisparityRange range_;
   int pitch_ = 0;                                  ///< of lines with a vector more on both sides
   std::array<std::vector<std::uint8_t>, 3> ring_;  ///< distances of three rows
   std::vector<std::uint8_t> sums_;
-  std::vector<std::uint8_t> left_bits_,
-      right_bits_;  ///< census of a row, and a vector more on both sides
-  Line costs_;      ///< of a vector of pixels
+  /// Census of a row, and a vector more on both sides.
+  std::vector<std::uint8_t> left_bits_, right_bits_;
+  Line costs_;  ///< of a vector of pixels
   Line cost_, second_cost_, index_, right_index_;
 };
 
@@ -282,6 +285,8 @@ class RowScanner {
 
 class MutualMatcher::Impl {
  public:
+  explicit Impl(int clear_percent) : clear_percent_(static_cast<unsigned>(clear_percent)) {}
+
   void find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
             cv::Mat& matches) {
     CV_Assert(left.type() == CV_8UC1 && right.type() == CV_8UC1 && left.size() == right.size());
@@ -290,7 +295,8 @@ class MutualMatcher::Impl {
     left_.prepare(padded_left_, kWindow);
     right_.prepare(padded_right_, kWindow);
     matches.create(left.size(), CV_16SC1);
-    scanners_.prepare([&](RowScanner& scanner) { scanner.resize(left.cols, range); });
+    scanners_.prepare(
+        [&](RowScanner& scanner) { scanner.resize(left.cols, range, clear_percent_); });
     const int tasks = (left.rows + kRowsPerTask - 1) / kRowsPerTask;
     tbb::parallel_for(0, tasks, [&](int task) {
       const int begin = task * kRowsPerTask;
@@ -300,6 +306,7 @@ class MutualMatcher::Impl {
   }
 
  private:
+  const unsigned clear_percent_;
   cv::Mat padded_left_;
   cv::Mat padded_right_;
   CensusTransform left_;
@@ -307,7 +314,7 @@ class MutualMatcher::Impl {
   PerThread<RowScanner> scanners_;
 };
 
-MutualMatcher::MutualMatcher() : impl_(std::make_unique<Impl>()) {}
+MutualMatcher::MutualMatcher(int clear_percent) : impl_(std::make_unique<Impl>(clear_percent)) {}
 MutualMatcher::~MutualMatcher() = default;
 
 void MutualMatcher::find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,

@@ -36,6 +36,7 @@ struct Arguments {
   int folds = 0;
   bool resume = false;
   bool stereo_sgbm = false;
+  bool automatic_range = false;
   cbmv::SceneFilter filter;
   cbmv::StereoOptions options;  ///< without the presets
   cbmv::TrainingOptions training;
@@ -87,7 +88,12 @@ std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
                                            arguments.options);
   for (std::size_t i = 0; i < arguments.presets.size(); ++i) {
     cbmv::readPreset(arguments.presets[i], options[i]);
-    options[i].range = cbmv::DisparityRange();  // each scene brings its own
+  }
+  for (cbmv::StereoOptions& each : options) {
+    each.range = cbmv::DisparityRange();  // each scene brings its own
+    if (arguments.automatic_range) {
+      each.range.count = 0;
+    }
   }
   return options;
 }
@@ -281,6 +287,10 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
+  app.add_flag("--automatic-range", arguments.automatic_range,
+               "Find the number of disparities in each pair; else it is the data set's")
+      ->excludes(disparities)
+      ->excludes(baseline);
   app.add_option(
          "--preset", arguments.presets,
          cbmv::kPresetHelp +

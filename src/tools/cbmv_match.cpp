@@ -56,14 +56,21 @@ StereoInput readInput(const Arguments& arguments,
   return input;
 }
 
-/// The calibration's number of disparities counts unless the user gives one.
+/// The calibration's number of disparities counts unless the user gives one, or it tells nothing.
 StereoOptions readOptions(const Arguments& arguments,
-                          const std::optional<StereoCameraFile>& calibration) {
+                          const std::optional<StereoCameraFile>& calibration, int image_width) {
   StereoOptions options = readStereoOptions(arguments.stereo, kTool);
-  if (!arguments.stereo.disparities && calibration && calibration->disparities > 0) {
+  if (arguments.stereo.disparities || !calibration || calibration->disparities <= 0) {
+    return options;
+  }
+  const char* const file = arguments.calibration.c_str();
+  if (calibration->disparities < image_width) {
     options.range.count = calibration->disparities;
-    std::printf("%s: disparity_range = %d is taken from ndisp\n", arguments.calibration.c_str(),
-                options.range.count);
+    std::printf("%s: disparity_range = %d is taken from ndisp\n", file, options.range.count);
+  } else {
+    options.range.count = 0;
+    std::printf("%s: ndisp = %d is not below the width of the images: the range is found in them\n",
+                file, calibration->disparities);
   }
   return options;
 }
@@ -89,8 +96,8 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
 void match(const Arguments& arguments) {
   requireWritableFolder(arguments.output);
   const auto calibration = readCalibration(arguments);
-  const StereoOptions options = readOptions(arguments, calibration);
   const StereoInput input = readInput(arguments, calibration);
+  const StereoOptions options = readOptions(arguments, calibration, input.left.cols);
   FrameProcessor processor(std::make_shared<const Forest>(readForest(forestFile(arguments.forest))), options);
   const PreparedPair pair = processor.prepare(input);
   for (const std::string& warning : pair.warnings) {
@@ -102,6 +109,10 @@ void match(const Arguments& arguments) {
   const ProcessedFrame frame = processor.match(pair, offset);
   if (!frame.range_correction.empty()) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, frame.range_correction.c_str());
+  }
+  if (frame.range_is_automatic) {
+    std::printf("disparities %s were found in the images\n",
+                describeRange(frame.result.range).c_str());
   }
   const std::string folder = arguments.output + "/";
   std::filesystem::create_directories(folder);

@@ -33,6 +33,17 @@ inline CLI::Validator wholeNumber(long lowest, long highest = 1000000000) {
       "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest));
 }
 
+/// A number of disparities, or "auto", which becomes 0.
+inline CLI::Validator disparityCount() {
+  const auto number = numberCheck<long>([](long count) { return count >= 0 && count <= 4096; },
+                                        "auto or a whole number from 1 to 4096");
+  const auto check = [number](std::string& text) {
+    text = text == "auto" ? "0" : text;
+    return number(text);
+  };
+  return CLI::Validator(check, "", "number");
+}
+
 /// A finite number that is not negative.
 inline CLI::Validator nonNegativeNumber() {
   return numberCheck<double>([](double number) { return number >= 0 && std::isfinite(number); },

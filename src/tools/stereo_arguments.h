@@ -22,8 +22,9 @@ struct StereoArguments {
 inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
   app.add_option("--preset", arguments.preset,
                  kPresetHelp + std::string("; the options win over it"));
-  app.add_option("--disparities", arguments.disparities, "Number of disparities, px; default 64")
-      ->check(wholeNumber(1, 4096));
+  app.add_option("--disparities", arguments.disparities,
+                 "Number of disparities, px; auto: found in each pair; default 64")
+      ->check(disparityCount());
   app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px; default 0")
       ->check(wholeNumber(-2048, 2048));
   app.add_option("--max-memory-mb", arguments.max_memory_mb,

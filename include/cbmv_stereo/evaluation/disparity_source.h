@@ -18,7 +18,8 @@ using DisparitySource = std::function<SceneMaps(const StereoScene&)>;
 /// What the matcher found as it is scored: infinity where there is no disparity.
 SceneMaps toSceneMaps(const StereoResult& result);
 
-/// Matches each scene with this forest over the scene's own range. Throws Error at once when the
+/// Matches each scene with this forest, over the data set's range or, where options.range is
+/// automatic, over the one that is found in the pair. Throws Error at once when the
 /// options are inconsistent.
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options);
 

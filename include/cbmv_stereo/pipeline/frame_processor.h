@@ -13,8 +13,11 @@
 #include "cbmv_stereo/input/stereo_input.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 #include "cbmv_stereo/rectification/offset_source.h"
+#include "cbmv_stereo/search/range_source.h"
 
 namespace cbmv {
+
+class ThreadLimit;
 
 /// A pair that only waits for the matcher.
 struct PreparedPair {
@@ -29,6 +32,7 @@ struct ProcessedFrame {
   cv::Mat left_gray;        ///< CV_8UC1; may share the memory of the input
   StereoGeometry geometry;  ///< all 0 without cameras
   StereoResult result;
+  bool range_is_automatic = false;  ///< result.range was found in the images
   double disparity_step_px = 0;  ///< see disparityStep
   double memory_mb = 0;          ///< that the method holds for images of that size
   RectificationState rectification;
@@ -44,6 +48,10 @@ class FrameProcessor {
   /// Throws Error if the options are inconsistent.
   FrameProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options);
 
+  ~FrameProcessor();
+  FrameProcessor(const FrameProcessor&) = delete;
+  FrameProcessor& operator=(const FrameProcessor&) = delete;
+
   /// From the next pair on; may be called while a pair is processed. The options have to be
   /// consistent (correctOptions).
   void setOptions(const StereoOptions& options);
@@ -56,6 +64,10 @@ class FrameProcessor {
   /// if the images or the calibration cannot be used.
   PreparedPair prepare(const StereoInput& input) const;
 
+  /// The disparities that the pair is matched over if an automatic range is its own; by several
+  /// threads at once. Throws InputError if none fits the images.
+  DisparityRange rangeOf(const PreparedPair& pair) const;
+
   /// The vertical offset that is corrected, from the pair by itself, with the options of the
   /// constructor or of the newest setOptions; by several threads at once. Throws InputError if no
   /// disparity fits the images.
@@ -64,8 +76,12 @@ class FrameProcessor {
   /// The same as it is measured, however small.
   VerticalOffsetMeasurement measureOffset(const PreparedPair& pair) const;
 
-  /// One pair at a time. Throws InputError if the images are too large, or no disparity fits them.
+  /// One pair at a time. An automatic range is the pair's own. Throws InputError if the images are
+  /// too large, or no disparity fits them.
   ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset);
+
+  /// The same, but `ranges` tells an automatic range.
+  ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset, RangeSource& ranges);
 
  private:
   using Check = std::shared_ptr<const CalibrationCheck>;
@@ -79,10 +95,16 @@ class FrameProcessor {
   Check checkCameras(const StereoInput& input) const;
   StereoOptions wantedOptions() const;
   void takeNewOptions();
-  void adaptTo(cv::Size image_size, const std::string& image_name);
+  void adaptTo(const PreparedPair& pair, RangeSource& ranges);
+  void setOptionsFor(cv::Size image_size, const StereoOptions& wanted,
+                     const std::string& image_name);
 
   StereoMatcher matcher_;
+  OwnRange own_range_;
+  bool range_is_automatic_ = false;
+  std::unique_ptr<ThreadLimit> threads_;  ///< of the search for the range
   std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
+  DisparityRange adapted_range_;          ///< before it is clipped
   std::string range_correction_;
   double memory_mb_ = 0;
   std::atomic<float> min_confidence_{0};
@@ -99,11 +121,18 @@ class FrameProcessor {
 /// pixels, else the spacing of float at the largest disparity of `range`.
 double disparityStep(const DisparityRange& range, const RefinementOptions& options);
 
-/// The disparities of `range` that have a match in images of that width. Throws InputError if there
-/// are none.
+/// "0 ... 63 px" for people.
+std::string describeRange(const DisparityRange& range);
+
+/// The disparities of `range`, which is not automatic, that have a match in images of that width.
+/// Throws InputError if there are none.
 DisparityRange clipRange(const DisparityRange& range, int image_width);
 
-/// The options `wanted`, with the range clipped to images of that size. Throws InputError if the
+/// The disparities that a pair is matched over by itself: found where `wanted` is automatic, and
+/// clipped to the images. Throws InputError if none fits them.
+DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted);
+
+/// The options `wanted`, whose range is not automatic, with the range clipped to images of that size. Throws InputError if the
 /// images cannot be matched so: no disparity fits, or they need more memory than max_memory_mb or
 /// the machine has. `image_name` begins the text.
 StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,

@@ -13,7 +13,7 @@ namespace cbmv {
 /// Everything that can be set on the method. The defaults are the authors' Middlebury settings.
 /// parameters.h lists each field with its name, unit, range and description.
 struct StereoOptions {
-  DisparityRange range;
+  DisparityRange range;  ///< may be automatic
   RectificationOptions rectification;
   SearchOptions search;
   AggregationOptions aggregation;

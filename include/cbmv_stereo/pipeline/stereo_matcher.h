@@ -30,6 +30,8 @@ class StereoMatcher {
   /// From the next frame on. Throws Error as the constructor does and then changes nothing.
   void setOptions(const StereoOptions& options);
 
+  /// With an automatic range, each pair has its own: result.range.
+  ///
   /// One pair by itself: the vertical offset is estimated from this pair (if switched on), removed,
   /// and the pair matched. Both images CV_8UC1 of the same size, not empty, and not so large that
   /// they need more memory than options.max_memory_mb; throws Error otherwise.

@@ -20,7 +20,7 @@ struct StageTimes {
 
 /// What the method finds for one rectified pair. All maps have the size of the images.
 struct StereoResult {
-  DisparityRange range;
+  DisparityRange range;  ///< that was searched; never automatic
   cv::Mat disparity;  ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, winner takes all; empty without the check
   cv::Mat labels;           ///< CV_8UC1 of Label, left view: what the left-right check found

@@ -21,12 +21,13 @@ constexpr std::int16_t kNoMatch = -1;
 /// left or right pixel lies beyond the first or last column, repeat the nearest one inside. The
 /// winner of a left pixel is its cheapest d, that of a right pixel the cheapest d of the left pixels
 /// that match it; the smallest d on ties. A left pixel has a match if its winner and that of the
-/// matching right pixel differ by at most 1, and its cost is below 0.99 times the least cost of its
-/// disparities that are more than 1 away, of which there is one at least: windows without texture,
-/// or with a repeated one, have none.
+/// matching right pixel differ by at most 1, and its cost is below `clear_percent` percent of the
+/// least cost of its disparities that are more than 1 away, of which there is one at least: windows
+/// without texture, or with a repeated one, have none.
 class MutualMatcher {
  public:
-  MutualMatcher();
+  /// `clear_percent` is in (0, 100]; the lower it is, the fewer and the surer are the matches.
+  explicit MutualMatcher(int clear_percent = 99);
   ~MutualMatcher();
   MutualMatcher(const MutualMatcher&) = delete;
   MutualMatcher& operator=(const MutualMatcher&) = delete;
