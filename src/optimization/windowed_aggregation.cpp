@@ -241,7 +241,7 @@ HWY_INLINE void sumTile(const BlockRowToSum<Cost, Lane, Sum>& row, int t, int fi
   const auto left_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[0] + x));
   const auto right_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[1] + x));
   const auto first_column = static_cast<std::uint8_t>(2 * first_lane);
-  const auto columns_left = hn::ShiftRight<1>(hn::Iota(bytes, first_column));
+  const auto columns_left = hn::ShiftRight<1>(countFrom(bytes, first_column));
   const auto columns_right = hn::Sub(hn::Set(bytes, kTileColumns - 1), columns_left);
   const std::uint16_t* left_reach = row.left_reach + (tile - 1) * shape.pairs();
   const std::uint16_t* right_reach = row.right_reach + (tile + 1) * shape.pairs();

@@ -84,7 +84,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> matchesOf(D tag, const RightRow& row, 
   const auto lowest = hn::Set(tag, static_cast<float>(row.range.min));
   const auto highest = hn::Set(tag, static_cast<float>(row.range.max()));
   const auto whole = hn::ConvertTo(integers, hn::Min(hn::Max(d, lowest), highest));
-  const auto x = hn::Add(hn::Iota(integers, column), whole);
+  const auto x = hn::Add(countFrom(integers, column), whole);
   const auto is_whole = hn::Eq(hn::ConvertTo(tag, whole), d);
   const auto is_within = hn::And(hn::Gt(d, lowest), hn::Lt(d, highest));
   const auto matches = hn::RebindMask(integers, hn::And(is_whole, is_within));
@@ -123,7 +123,7 @@ HWY_INLINE hn::Mask<D> agree(D tag, const RightRow& right, int x, hn::Vec<D> d) 
   const hn::RebindToSigned<D> integers;
   const auto width = hn::Set(integers, right.width);
   const auto invalid = hn::Set(tag, right.range.invalid());
-  const auto exact = hn::Sub(hn::ConvertTo(tag, hn::Iota(integers, x)), d);
+  const auto exact = hn::Sub(hn::ConvertTo(tag, countFrom(integers, x)), d);
   const auto near = hn::And(hn::Gt(exact, hn::Set(tag, -0.5F)),
                             hn::Lt(exact, hn::Set(tag, static_cast<float>(right.width))));
   const auto inside = hn::IfThenElseZero(near, exact);
