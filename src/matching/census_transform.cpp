@@ -1,5 +1,7 @@
 #include "cbmv_stereo/matching/census_transform.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "cbmv_stereo/matching/padded_image.h"
@@ -21,8 +23,10 @@ using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
 /// `bits[x]`: which of the `count` ≤ 8 neighbours at the given distances in memory are darker than
 /// the pixel itself.
-HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* distances,
+HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* first_distance,
                                   int count, int width, std::uint8_t* bits) {
+  std::array<std::ptrdiff_t, 8> distances{};  // own ones: a store of a byte may change others
+  std::copy_n(first_distance, count, distances.begin());
   forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
     const auto centre = hn::LoadU(tag, pixels + x);
     auto darker = hn::Zero(tag);

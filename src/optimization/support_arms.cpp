@@ -11,75 +11,97 @@
 
 #include "cbmv_stereo/error.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "optimization/support_arms.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/lanes-inl.h"
+
+#ifndef CBMV_OPTIMIZATION_SUPPORT_ARMS_ONCE
+#define CBMV_OPTIMIZATION_SUPPORT_ARMS_ONCE
 namespace cbmv {
 namespace {
 
-/// Pixels of a row whose arms grow at once: each step looks at the neighbours of them all, which
-/// the compiler turns into vectors.
-constexpr int kBlock = 256;
+constexpr int kMostReach = 254;
 
-/// Arms of a block of pixels in one direction.
-class BlockArms {
- public:
-  /// `centres` is the row; neighbours lie `stride` elements apart. `inside(k)` are the columns
-  /// whose k-th neighbour lies inside of the image. Arms take in neighbours that differ by at most
-  /// `largest_step` grey levels.
-  template <typename Inside>
-  void grow(const std::uint8_t* centres, const cv::Range& block, std::ptrdiff_t stride, int reach,
-            int largest_step, const Inside& inside) {
-    growing_.fill(1);
-    lengths_.fill(0);
-    bool any = true;
-    for (int k = 1; k <= reach && any; ++k) {
-      const cv::Range columns = inside(k) & block;
-      any = !columns.empty() &&
-            takeIn(centres + columns.start, k * stride, columns.size(), columns.start - block.start,
-                   static_cast<std::uint8_t>(largest_step));
-    }
-  }
+/// Pixels a row whose neighbours on the row are copied at once.
+constexpr int kBlock = 512;
 
-  std::uint8_t length(int i) const { return lengths_[i]; }
-
- private:
-  /// Whether any arm still grows.
-  bool takeIn(const std::uint8_t* centres, std::ptrdiff_t distance, int count, int first,
-              std::uint8_t largest_step) {
-    const std::uint8_t* neighbours = centres + distance;
-    std::uint8_t* growing = growing_.data() + first;
-    std::uint8_t* lengths = lengths_.data() + first;
-    std::uint8_t any = 0;
-    for (int i = 0; i < count; ++i) {
-      const std::uint8_t low = std::min(centres[i], neighbours[i]);
-      const std::uint8_t high = std::max(centres[i], neighbours[i]);
-      const auto step = static_cast<std::uint8_t>(high - low);
-      growing[i] = step <= largest_step ? growing[i] : 0;
-      lengths[i] = static_cast<std::uint8_t>(lengths[i] + growing[i]);
-      any |= growing[i];
-    }
-    return any != 0;
-  }
-
-  std::array<std::uint8_t, kBlock> growing_{};  // 1 or 0
-  std::array<std::uint8_t, kBlock> lengths_{};
+/// Arms take in at most `reach` pixels, which differ by at most `largest_step` gray levels.
+struct ArmLimits {
+  int reach;
+  std::uint8_t largest_step;
 };
 
-/// The four arms of the pixels `block` of row y.
-void computeBlock(const cv::Mat& image, int y, const cv::Range& block, int reach, int largest_step,
-                  cv::Vec4b* out) {
+}  // namespace
+}  // namespace cbmv
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Lengths of the arms of neighbouring pixels in one direction. The k-th neighbors lie k * stride
+/// from `centers`; `reach` of them are looked at.
+template <class D>
+HWY_INLINE hn::Vec<D> growArms(D tag, const std::uint8_t* centers, std::ptrdiff_t stride, int reach,
+                               hn::Vec<D> largest_step) {
+  const auto center = hn::LoadU(tag, centers);
+  auto lengths = hn::Zero(tag);
+  auto growing = hn::Eq(lengths, lengths);
+  for (int k = 1; k <= reach && !hn::AllFalse(tag, growing); ++k) {
+    const auto neighbor = hn::LoadU(tag, centers + k * stride);
+    const auto step =
+        hn::Or(hn::SaturatedSub(center, neighbor), hn::SaturatedSub(neighbor, center));
+    growing = hn::And(growing, hn::Eq(hn::Min(step, largest_step), step));
+    lengths = hn::Sub(lengths, hn::VecFromMask(tag, growing));
+  }
+  return lengths;
+}
+
+/// The arms of a row, left and right ones as if the image went on beyond its borders.
+void growArmsOfRow(const cv::Mat& image, int y, const ArmLimits& limits, std::uint8_t* arms) {
   const auto stride = static_cast<std::ptrdiff_t>(image.step1());
-  const auto* centres = image.ptr<std::uint8_t>(y);
-  const int width = image.cols;
-  const auto all = [width](int) { return cv::Range(0, width); };
-  std::array<BlockArms, 4> arms;  // left, right, up, down
-  arms[0].grow(centres, block, -1, reach, largest_step,
-               [width](int k) { return cv::Range(std::min(k, width), width); });
-  arms[1].grow(centres, block, 1, reach, largest_step,
-               [width](int k) { return cv::Range(0, std::max(width - k, 0)); });
-  arms[2].grow(centres, block, -stride, std::min(reach, y), largest_step, all);
-  arms[3].grow(centres, block, stride, std::min(reach, image.rows - 1 - y), largest_step, all);
-  for (int i = 0; i < block.size(); ++i) {
-    out[block.start + i] = {arms[0].length(i), arms[1].length(i), arms[2].length(i),
-                            arms[3].length(i)};
+  const int up = std::min(limits.reach, y);
+  const int down = std::min(limits.reach, image.rows - 1 - y);
+  const auto* row = image.ptr<std::uint8_t>(y);
+  std::array<std::uint8_t, kMostReach + kBlock + kMostReach> around{};
+  for (int first = 0; first < image.cols; first += kBlock) {
+    const int end = std::min(first + kBlock, image.cols);
+    const int copied = std::max(first - limits.reach, 0);
+    std::copy(row + copied, row + std::min(end + limits.reach, image.cols),
+              around.begin() + kMostReach + copied - first);
+    forLanes(hn::ScalableTag<std::uint8_t>(), first, end, [&](auto tag, int x, int) HWY_ATTR {
+      const auto step = hn::Set(tag, limits.largest_step);
+      const std::uint8_t* centers = around.data() + kMostReach + x - first;
+      hn::StoreInterleaved4(growArms(tag, centers, -1, limits.reach, step),
+                            growArms(tag, centers, 1, limits.reach, step),
+                            growArms(tag, row + x, -stride, up, step),
+                            growArms(tag, row + x, stride, down, step), tag, arms + 4 * x);
+    });
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cbmv {
+namespace {
+
+HWY_EXPORT(growArmsOfRow);
+
+void endArmsInsideOfRow(int width, int reach, cv::Vec4b* arms) {
+  for (int x = 0; x < std::min(reach, width); ++x) {
+    arms[x][0] = std::min(arms[x][0], static_cast<std::uint8_t>(x));
+    std::uint8_t& mirrored = arms[width - 1 - x][1];
+    mirrored = std::min(mirrored, static_cast<std::uint8_t>(x));
   }
 }
 
@@ -87,7 +109,7 @@ void computeBlock(const cv::Mat& image, int y, const cv::Range& block, int reach
 
 void computeSupportArms(const cv::Mat& grey, int max_length, float threshold_grey, cv::Mat& arms) {
   CV_Assert(grey.type() == CV_8UC1);
-  if (max_length < 1 || max_length > 255) {
+  if (max_length < 1 || max_length > kMostReach + 1) {
     throw Error("The arm length of cost aggregation is " + std::to_string(max_length) +
                 " px; it must be between 1 and 255.");
   }
@@ -95,13 +117,13 @@ void computeSupportArms(const cv::Mat& grey, int max_length, float threshold_gre
   arms.create(image.size(), CV_8UC4);
   // A whole number is below the threshold exactly when it is below the threshold rounded up.
   const int threshold = static_cast<int>(std::ceil(std::min(threshold_grey, 256.0F)));
-  const int reach = threshold > 0 ? max_length - 1 : 0;
+  const ArmLimits limits{threshold > 0 ? max_length - 1 : 0,
+                         static_cast<std::uint8_t>(std::max(threshold - 1, 0))};
   tbb::parallel_for(0, image.rows, [&](int y) {
-    for (int x = 0; x < image.cols; x += kBlock) {
-      computeBlock(image, y, {x, std::min(x + kBlock, image.cols)}, reach, threshold - 1,
-                   arms.ptr<cv::Vec4b>(y));
-    }
+    HWY_DYNAMIC_DISPATCH(growArmsOfRow)(image, y, limits, arms.ptr<std::uint8_t>(y));
+    endArmsInsideOfRow(image.cols, limits.reach, arms.ptr<cv::Vec4b>(y));
   });
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

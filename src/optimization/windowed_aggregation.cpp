@@ -241,7 +241,7 @@ HWY_INLINE void sumTile(const BlockRowToSum<Cost, Lane, Sum>& row, int t, int fi
   const auto left_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[0] + x));
   const auto right_arms = hn::BitCast(bytes, hn::LoadU(pair_tag, row.arms.reference[1] + x));
   const auto first_column = static_cast<std::uint8_t>(2 * first_lane);
-  const auto columns_left = hn::ShiftRight<1>(hn::Iota(bytes, first_column));
+  const auto columns_left = hn::ShiftRight<1>(countFrom(bytes, first_column));
   const auto columns_right = hn::Sub(hn::Set(bytes, kTileColumns - 1), columns_left);
   const std::uint16_t* left_reach = row.left_reach + (tile - 1) * shape.pairs();
   const std::uint16_t* right_reach = row.right_reach + (tile + 1) * shape.pairs();
@@ -466,32 +466,38 @@ class ArmLine {
 
   /// Takes `columns` from column `first` on.
   void assign(const cv::Mat& arms, int y, int first, int columns) {
+    columns_ = columns;
     const int begin = std::clamp(-first, 0, columns);
     const int end = std::clamp(arms.cols - first, begin, columns);
+    if (begin == 0 && end == columns) {
+      taken_ = arms.ptr<std::uint32_t>(y) + first;
+      return;
+    }
+    taken_ = arms_.data();
     std::fill_n(arms_.begin(), begin, 0U);
     if (begin < end) {
       std::memcpy(arms_.data() + begin, arms.ptr<std::uint8_t>(y) + 4 * (first + begin),
                   (end - begin) * sizeof(std::uint32_t));
     }
     std::fill(arms_.begin() + end, arms_.begin() + columns, 0U);
-    columns_ = columns;
   }
 
   /// Makes the pairs with the columns `step` further.
   void pair(int step) {
     HWY_DYNAMIC_DISPATCH(pairArms)
-    (arms_.data(), columns_, step, {pairs_[0].data(), pairs_[1].data()});
+    (taken_, columns_, step, {pairs_[0].data(), pairs_[1].data()});
   }
 
   /// From the column `place` on, of those that were taken.
-  const std::uint32_t* arms(int place) const { return arms_.data() + place; }
+  const std::uint32_t* arms(int place) const { return taken_ + place; }
   std::array<const std::uint16_t*, 2> pairs(int place) const {
     return {pairs_[0].data() + place, pairs_[1].data() + place};
   }
 
  private:
   int columns_ = 0;
-  std::vector<std::uint32_t> arms_;  ///< four channels
+  const std::uint32_t* taken_ = nullptr;  ///< four channels; of the image, if all lie inside of it
+  std::vector<std::uint32_t> arms_;
   std::array<std::vector<std::uint16_t>, 2> pairs_;
 };
 

@@ -155,15 +155,17 @@ HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row) {
   }
 }
 
-/// Penalties in all lanes, by the number of images that have an edge.
+/// Penalties in all lanes, by the number of images that have an edge: P1, then P2.
 struct PenaltyLanes {
-  alignas(64) std::uint16_t p1[3][kMostLanes];
-  alignas(64) std::uint16_t p2[3][kMostLanes];
+  static constexpr int kCounts = 3;
+  alignas(64) std::uint16_t lanes[2 * kCounts * kMostLanes];
 
   explicit PenaltyLanes(const SgmPenalties& penalties) {
-    for (std::size_t edges = 0; edges < 3; ++edges) {
-      std::fill_n(p1[edges], kMostLanes, static_cast<std::uint16_t>(penalties.p1[edges]));
-      std::fill_n(p2[edges], kMostLanes, static_cast<std::uint16_t>(penalties.p2[edges]));
+    for (int edges = 0; edges < kCounts; ++edges) {
+      std::fill_n(lanes + edges * kMostLanes, kMostLanes,
+                  static_cast<std::uint16_t>(penalties.p1[edges]));
+      std::fill_n(lanes + (kCounts + edges) * kMostLanes, kMostLanes,
+                  static_cast<std::uint16_t>(penalties.p2[edges]));
     }
   }
 };
@@ -207,27 +209,40 @@ class RowPath {
 
   /// Of the tile.
   int columns() const { return columns_; }
-  bool fitsOneVector() const {
-    // Rotations by two lanes must bring in lanes without a hypothesis.
-    return tile_.lanes + 2 <= static_cast<int>(hn::Lanes(Tag()));
+  /// Lanes of a vector that the tile fits: rotations by two must bring in lanes without a
+  /// hypothesis.
+  int fittingLanes() const { return tile_.lanes + 2; }
+
+  template <class D>
+  HWY_INLINE hn::Vec<D> lowest(D tag) const {
+    return hn::Set(tag, lowest_);
+  }
+  template <class Lanes>
+  HWY_INLINE void setLowest(Lanes lowest) {
+    lowest_ = hn::GetLane(lowest);
+  }
+  template <class D>
+  HWY_INLINE hn::Vec<D> blocked(D tag) const {
+    return hn::Load(tag, blocked_);
+  }
+  template <class D>
+  HWY_INLINE hn::Vec<D> costs(D tag, int i) const {
+    return hn::Load(tag, front_.costs(i));
+  }
+  template <class D>
+  HWY_INLINE void setCosts(D tag, int i, hn::Vec<D> costs) {
+    hn::Store(costs, tag, front_.costs(i));
   }
 
-  HWY_INLINE V lowest() const { return hn::Set(Tag(), lowest_); }
-  HWY_INLINE void setLowest(V lowest) { lowest_ = hn::GetLane(lowest); }
-  HWY_INLINE V blocked() const { return hn::Load(Tag(), blocked_); }
-  HWY_INLINE V costs(int i) const { return hn::Load(Tag(), front_.costs(i)); }
-  HWY_INLINE void setCosts(int i, V costs) { hn::Store(costs, Tag(), front_.costs(i)); }
-
   /// Extends the path by the i-th pixel of a tile that fits one vector.
-  template <bool kAdd>
-  HWY_INLINE void extendVector(int i, V blocked, V& costs, V& lowest) {
-    const Tag tag;
+  template <bool kAdd, class D, class Lanes = hn::Vec<D>>
+  HWY_INLINE void extendVector(D tag, int i, Lanes blocked, Lanes& costs, Lanes& lowest) {
     const int rising = rise(i);
     if (HWY_UNLIKELY(rising != 0)) {
       costs = rising > 0 ? rotateUp(tag, costs) : rotateDown(tag, costs);
     }
     const auto beside = hn::Min(rotateUp(tag, costs), rotateDown(tag, costs));
-    costs = extendLanes<kAdd>(i, 0, edge(i), blocked, costs, beside, lowest);
+    costs = extendLanes<kAdd>(tag, i, 0, penalties(i), blocked, costs, beside, lowest);
     lowest = lowestOfLanes(tag, costs);
   }
 
@@ -238,13 +253,14 @@ class RowPath {
     const auto step = static_cast<int>(hn::Lanes(tag));
     const std::uint16_t* previous = front_.costs(i - 1) - rise(i);
     std::uint16_t* current = front_.costs(i);
-    const int reference_edge = edge(i);
+    const std::uint16_t* penalties_here = penalties(i);
     auto lowest_cost = hn::Set(tag, kNoPath);
     for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
       const auto beside =
           hn::Min(hn::LoadU(tag, previous + lane - 1), hn::LoadU(tag, previous + lane + 1));
-      const auto costs = extendLanes<kAdd>(i, lane, reference_edge, hn::Load(tag, blocked_ + lane),
-                                           hn::LoadU(tag, previous + lane), beside, lowest);
+      const auto costs =
+          extendLanes<kAdd>(tag, i, lane, penalties_here, hn::Load(tag, blocked_ + lane),
+                            hn::LoadU(tag, previous + lane), beside, lowest);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, current + lane);
     }
@@ -256,7 +272,8 @@ class RowPath {
     if (columns_ == 0) {
       return;
     }
-    const Tag tag;
+    // Runs are short, and narrow stores may have come just before.
+    const hn::CappedTag<std::uint16_t, 8> tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     const std::uint16_t* last = front_.costs(columns_ - 1);
     for (const LaneRun* run = tile_.runs; run->length > 0; ++run) {
@@ -277,20 +294,24 @@ class RowPath {
   }
 
  private:
-  int edge(int i) const { return -edges_[i * direction_]; }
   int rise(int i) const { return direction_ * rises_[i * direction_]; }
+  /// Of the i-th pixel, without an edge in the other image.
+  const std::uint16_t* penalties(int i) const {
+    return penalties_.lanes - static_cast<std::ptrdiff_t>(edges_[i * direction_]) * kMostLanes;
+  }
 
-  /// The path costs of some lanes of the i-th pixel, which go to the sums, too. `edge`: 1 if the
-  /// reference image has one, else 0.
-  template <bool kAdd>
-  HWY_INLINE V extendLanes(int i, int lane, int edge, V blocked, V along, V beside, V lowest) {
-    const Tag tag;
+  /// The path costs of some lanes of the i-th pixel, which go to the sums, too.
+  template <bool kAdd, class D, class Lanes = hn::Vec<D>>
+  HWY_INLINE Lanes extendLanes(D tag, int i, int lane, const std::uint16_t* penalties,
+                               Lanes blocked, Lanes along, Lanes beside, Lanes lowest) {
     const auto values = hn::Load(tag, matching_ + i * stride_ + lane);
     const auto edges = hn::TestBit(values, hn::Set(tag, edge_bit_));
-    const auto p1 = hn::IfThenElse(edges, hn::Load(tag, penalties_.p1[edge + 1]),
-                                   hn::Load(tag, penalties_.p1[edge]));
-    const auto p2 = hn::IfThenElse(edges, hn::Load(tag, penalties_.p2[edge + 1]),
-                                   hn::Load(tag, penalties_.p2[edge]));
+    const auto penalty = [=](int first) HWY_ATTR {
+      return hn::IfThenElse(edges, hn::Load(tag, penalties + (first + 1) * kMostLanes),
+                            hn::Load(tag, penalties + first * kMostLanes));
+    };
+    const auto p1 = penalty(0);
+    const auto p2 = penalty(PenaltyLanes::kCounts);
     const auto matching = hn::Or(hn::And(values, hn::Set(tag, kCostBits)), blocked);
     const auto costs = pathCosts(matching, along, beside, lowest, p1, p2);
     std::uint16_t* sums = costs_ + i * stride_ + lane;
@@ -325,12 +346,13 @@ class RowPath {
   HWY_INLINE void extendFirst() {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
-    const auto lowest_previous = lowest();
+    const auto lowest_previous = lowest(tag);
     auto lowest_cost = hn::Set(tag, kNoPath);
     for (int lane = 0; lane < tile_.padded_lanes; lane += step) {
-      const auto costs = extendLanes<kAdd>(0, lane, edge(0), hn::Load(tag, blocked_ + lane),
-                                           hn::Load(tag, front_.along() + lane),
-                                           hn::Load(tag, front_.beside() + lane), lowest_previous);
+      const auto costs =
+          extendLanes<kAdd>(tag, 0, lane, penalties(0), hn::Load(tag, blocked_ + lane),
+                            hn::Load(tag, front_.along() + lane),
+                            hn::Load(tag, front_.beside() + lane), lowest_previous);
       lowest_cost = hn::Min(lowest_cost, costs);
       hn::Store(costs, tag, front_.costs(0) + lane);
     }
@@ -383,47 +405,76 @@ HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& 
   finish(d, columns[3]);
 }
 
-template <bool kAdd>
-HWY_INLINE void walkTiles(RowPath& a, RowPath& b, RowPath& c, RowPath& d) {
-  const std::array<int, 4> columns = {a.columns(), b.columns(), c.columns(), d.columns()};
-  auto lowest_a = a.lowest();
-  auto lowest_b = b.lowest();
-  auto lowest_c = c.lowest();
-  auto lowest_d = d.lowest();
-#if !HWY_HAVE_SCALABLE
-  const bool have_costs = *std::min_element(columns.begin(), columns.end()) > 0;
-  if (have_costs && a.fitsOneVector() && b.fitsOneVector() && c.fitsOneVector() &&
-      d.fitsOneVector()) {
-    const auto blocked_a = a.blocked();
-    const auto blocked_b = b.blocked();
-    const auto blocked_c = c.blocked();
-    const auto blocked_d = d.blocked();
-    auto costs_a = a.costs(0);
-    auto costs_b = b.costs(0);
-    auto costs_c = c.costs(0);
-    auto costs_d = d.costs(0);
-    inTurns(
-        columns, [&](int i) HWY_ATTR { a.extendVector<kAdd>(i, blocked_a, costs_a, lowest_a); },
-        [&](int i) HWY_ATTR { b.extendVector<kAdd>(i, blocked_b, costs_b, lowest_b); },
-        [&](int i) HWY_ATTR { c.extendVector<kAdd>(i, blocked_c, costs_c, lowest_c); },
-        [&](int i) HWY_ATTR { d.extendVector<kAdd>(i, blocked_d, costs_d, lowest_d); });
-    a.setCosts(columns[0] - 1, costs_a);
-    b.setCosts(columns[1] - 1, costs_b);
-    c.setCosts(columns[2] - 1, costs_c);
-    d.setCosts(columns[3] - 1, costs_d);
-  } else
-#endif
-  {
-    inTurns(
-        columns, [&](int i) HWY_ATTR { a.extend<kAdd>(i, lowest_a); },
-        [&](int i) HWY_ATTR { b.extend<kAdd>(i, lowest_b); },
-        [&](int i) HWY_ATTR { c.extend<kAdd>(i, lowest_c); },
-        [&](int i) HWY_ATTR { d.extend<kAdd>(i, lowest_d); });
-  }
+/// The second and later pixels of tiles that fit one vector.
+template <bool kAdd, class D>
+HWY_INLINE void walkVectors(D tag, const std::array<int, 4>& columns, RowPath& a, RowPath& b,
+                            RowPath& c, RowPath& d) {
+  auto lowest_a = a.lowest(tag);
+  auto lowest_b = b.lowest(tag);
+  auto lowest_c = c.lowest(tag);
+  auto lowest_d = d.lowest(tag);
+  const auto blocked_a = a.blocked(tag);
+  const auto blocked_b = b.blocked(tag);
+  const auto blocked_c = c.blocked(tag);
+  const auto blocked_d = d.blocked(tag);
+  auto costs_a = a.costs(tag, 0);
+  auto costs_b = b.costs(tag, 0);
+  auto costs_c = c.costs(tag, 0);
+  auto costs_d = d.costs(tag, 0);
+  inTurns(
+      columns, [&](int i) HWY_ATTR { a.extendVector<kAdd>(tag, i, blocked_a, costs_a, lowest_a); },
+      [&](int i) HWY_ATTR { b.extendVector<kAdd>(tag, i, blocked_b, costs_b, lowest_b); },
+      [&](int i) HWY_ATTR { c.extendVector<kAdd>(tag, i, blocked_c, costs_c, lowest_c); },
+      [&](int i) HWY_ATTR { d.extendVector<kAdd>(tag, i, blocked_d, costs_d, lowest_d); });
+  a.setCosts(tag, columns[0] - 1, costs_a);
+  b.setCosts(tag, columns[1] - 1, costs_b);
+  c.setCosts(tag, columns[2] - 1, costs_c);
+  d.setCosts(tag, columns[3] - 1, costs_d);
   a.setLowest(lowest_a);
   b.setLowest(lowest_b);
   c.setLowest(lowest_c);
   d.setLowest(lowest_d);
+}
+
+/// The same of any tiles.
+template <bool kAdd>
+HWY_INLINE void walkLongTiles(const std::array<int, 4>& columns, RowPath& a, RowPath& b, RowPath& c,
+                              RowPath& d) {
+  auto lowest_a = a.lowest(Tag());
+  auto lowest_b = b.lowest(Tag());
+  auto lowest_c = c.lowest(Tag());
+  auto lowest_d = d.lowest(Tag());
+  inTurns(
+      columns, [&](int i) HWY_ATTR { a.extend<kAdd>(i, lowest_a); },
+      [&](int i) HWY_ATTR { b.extend<kAdd>(i, lowest_b); },
+      [&](int i) HWY_ATTR { c.extend<kAdd>(i, lowest_c); },
+      [&](int i) HWY_ATTR { d.extend<kAdd>(i, lowest_d); });
+  a.setLowest(lowest_a);
+  b.setLowest(lowest_b);
+  c.setLowest(lowest_c);
+  d.setLowest(lowest_d);
+}
+
+/// Short vectors are not faster, but less has to be done to find the lowest of their lanes.
+template <bool kAdd>
+HWY_INLINE void walkTiles(RowPath& a, RowPath& b, RowPath& c, RowPath& d) {
+  const std::array<int, 4> columns = {a.columns(), b.columns(), c.columns(), d.columns()};
+#if !HWY_HAVE_SCALABLE
+  const bool have_costs = *std::min_element(columns.begin(), columns.end()) > 0;
+  const int lanes = have_costs ? std::max(std::max(a.fittingLanes(), b.fittingLanes()),
+                                          std::max(c.fittingLanes(), d.fittingLanes()))
+                               : kMostLanes + 1;
+  if (lanes <= 8) {
+    return walkVectors<kAdd>(hn::CappedTag<std::uint16_t, 8>(), columns, a, b, c, d);
+  }
+  if (lanes <= 16 && hn::Lanes(Tag()) >= 16) {
+    return walkVectors<kAdd>(hn::CappedTag<std::uint16_t, 16>(), columns, a, b, c, d);
+  }
+  if (lanes <= static_cast<int>(hn::Lanes(Tag()))) {
+    return walkVectors<kAdd>(Tag(), columns, a, b, c, d);
+  }
+#endif
+  walkLongTiles<kAdd>(columns, a, b, c, d);
 }
 
 /// The paths of two rows, from the left and from the right each.

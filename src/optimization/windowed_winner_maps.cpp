@@ -173,7 +173,7 @@ HWY_INLINE hn::Vec<FloatTag> parabolaMinimum(const TileWinners& winners, int c) 
 HWY_INLINE hn::Mask<FloatTag> canBeRefined(const TileColumns& columns, const TileWinners& winners,
                                            int c) {
   const IntTag tag;
-  const auto match = hn::Sub(hn::Iota(tag, columns.x + c), hn::Load(tag, winners.disparities + c));
+  const auto match = hn::Sub(countFrom(tag, columns.x + c), hn::Load(tag, winners.disparities + c));
   const auto are_inside =
       hn::And(hn::Gt(match, hn::Zero(tag)), hn::Lt(match, hn::Set(tag, columns.width - 1)));
   const auto places = loadWidened(tag, winners.places + c);

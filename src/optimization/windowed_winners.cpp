@@ -107,9 +107,9 @@ cv::Range wholeEntries(const SearchSpace& space, const SearchSpace::Tile& tile, 
   while (begin < tile.count && !is_whole(begin)) {
     ++begin;
   }
-  int end = begin;
-  while (end < tile.count && is_whole(end)) {
-    ++end;
+  int end = tile.count;  // most often
+  while (end > begin && !is_whole(end - 1)) {
+    --end;
   }
   return {begin, end};
 }

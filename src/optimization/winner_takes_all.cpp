@@ -58,7 +58,7 @@ void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t
     const auto cost = loadFirst(costs + h, count - h);
     const auto before = hn::LoadU(tag, lowest + h);
     const auto after = hn::Min(before, cost);
-    const auto hypotheses = hn::Iota(tag, static_cast<std::uint16_t>(first + h));
+    const auto hypotheses = countFrom(tag, static_cast<std::uint16_t>(first + h));
     const auto is_cheapest = hn::And(hn::Eq(after, cost), hn::FirstN(tag, count - h));
     hn::StoreU(after, tag, lowest + h);
     hn::StoreU(hn::IfThenElse(is_cheapest, hypotheses, hn::LoadU(tag, winners + h)), tag,

@@ -14,6 +14,22 @@
 
 #include "cbmv_stereo/error.h"
 
+#ifndef CBMV_REFINEMENT_BILATERAL_FILTER_ONCE
+#define CBMV_REFINEMENT_BILATERAL_FILTER_ONCE
+namespace cbmv {
+namespace {
+
+/// 2 radius + 1 pixels of a column or a row.
+struct Window {
+  const float* weights;  ///< by distance from the center
+  int radius;
+  float threshold_px;
+};
+
+}  // namespace
+}  // namespace cbmv
+#endif
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "refinement/bilateral_filter.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -29,31 +45,60 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kLongestVector>;
 
-/// Means over the windows of a row of pixels; `centres` are whole vectors long. Sums up
-/// differences to the centre, because they are small and float loses little of them. Invalid
-/// centres are infinite, and thus far away even from themselves.
-void filterRow(const float* centres, std::ptrdiff_t stride, int width, const float* weights,
-               int radius, float threshold_px, float invalid, float* out) {
-  const Floats tag;
-  const auto threshold = hn::Set(tag, threshold_px);
-  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
-    const auto centre = hn::LoadU(tag, centres + x);
-    auto differences = hn::Zero(tag);
-    auto weight_sum = hn::Zero(tag);
-    for (int dy = -radius; dy <= radius; ++dy) {
-      const float* row = centres + x + dy * stride;
-      for (int dx = -radius; dx <= radius; ++dx) {
-        const auto weight = hn::Set(tag, weights[std::abs(dy)] * weights[std::abs(dx)]);
-        const auto difference = hn::Sub(hn::LoadU(tag, row + dx), centre);
-        const auto near = hn::Lt(hn::Abs(difference), threshold);
-        differences = hn::Add(differences, hn::IfThenElseZero(near, hn::Mul(weight, difference)));
-        weight_sum = hn::Add(weight_sum, hn::IfThenElseZero(near, weight));
-      }
-    }
-    const auto mean = hn::Add(centre, hn::Div(differences, weight_sum));
-    const auto is_valid = hn::Gt(weight_sum, hn::Zero(tag));
-    storeFirst(tag, hn::IfThenElse(is_valid, mean, hn::Set(tag, invalid)), width - x, out + x);
+/// Means over windows of neighboring pixels: sample(offset) are the disparities `offset` from the
+/// centers, −before ≤ offset ≤ after. Sums up differences to the center, because they are small and
+/// float loses little of them. Infinite disparities are far away from all, themselves included: as
+/// centers they stay what they are.
+template <class D, class Sample>
+HWY_INLINE hn::Vec<D> meanOfNear(D tag, const Window& window, int before, int after,
+                                 const Sample& sample) {
+  const auto threshold = hn::Set(tag, window.threshold_px);
+  const auto center = sample(0);
+  auto differences = hn::Zero(tag);
+  auto weight_sum = hn::Zero(tag);
+  for (int offset = -before; offset <= after; ++offset) {
+    const auto weight = hn::Set(tag, window.weights[std::abs(offset)]);
+    const auto difference = hn::Sub(sample(offset), center);
+    const auto near = hn::Lt(hn::Abs(difference), threshold);
+    differences = hn::Add(differences, hn::IfThenElseZero(near, hn::Mul(weight, difference)));
+    weight_sum = hn::Add(weight_sum, hn::IfThenElseZero(near, weight));
   }
+  const auto mean = hn::Add(center, hn::Div(differences, weight_sum));
+  return hn::IfThenElse(hn::Gt(weight_sum, hn::Zero(tag)), mean, center);
+}
+
+/// Means along the columns at row y, infinite ones in place of invalid ones.
+void filterColumns(const cv::Mat& disparity, int y, const Window& window, float invalid,
+                   float* means) {
+  const int before = std::min(window.radius, y);
+  const int after = std::min(window.radius, disparity.rows - 1 - y);
+  const auto* row = disparity.ptr<float>(y);
+  const auto stride = static_cast<std::ptrdiff_t>(disparity.step1());
+  forLanes(Floats(), 0, disparity.cols, [&](auto tag, int x, int) HWY_ATTR {
+    const auto sample = [=](int offset) HWY_ATTR {
+      const auto values = hn::LoadU(tag, row + offset * stride + x);
+      return hn::IfThenElse(hn::Eq(values, hn::Set(tag, invalid)), hn::Inf(tag), values);
+    };
+    hn::StoreU(meanOfNear(tag, window, before, after, sample), tag, means + x);
+  });
+}
+
+/// Means along a row, which is infinite beyond its ends, for `radius` pixels and a vector.
+void filterRow(const float* centers, int width, const Window& window, float invalid, float* means) {
+  const Floats tag;
+  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
+    const auto sample = [=](int offset) HWY_ATTR { return hn::LoadU(tag, centers + x + offset); };
+    const auto mean = meanOfNear(tag, window, window.radius, window.radius, sample);
+    storeFirst(tag, hn::IfThenElse(hn::IsInf(mean), hn::Set(tag, invalid), mean), width - x,
+               means + x);
+  }
+}
+
+/// `between` is the row between both steps, from `radius` pixels before it on; infinite.
+void filterBoth(const cv::Mat& disparity, int y, const Window& window, float invalid,
+                float* between, float* means) {
+  filterColumns(disparity, y, window, invalid, between + window.radius);
+  filterRow(between + window.radius, disparity.cols, window, invalid, means);
 }
 
 }  // namespace
@@ -65,7 +110,7 @@ HWY_AFTER_NAMESPACE();
 namespace cbmv {
 namespace {
 
-HWY_EXPORT(filterRow);
+HWY_EXPORT(filterBoth);
 
 /// Of either axis, by distance: a Gaussian is separable.
 std::vector<float> gaussian(float sigma_px, int radius) {
@@ -100,12 +145,13 @@ void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, floa
   filtered.create(disparity.size(), CV_32FC1);
   const int radius = static_cast<int>(std::ceil(3 * sigma_px));
   const std::vector<float> weights = gaussian(sigma_px, radius);
-  // Infinite disparities are far away from all others: no window needs a test for the border.
-  padDisparity(disparity, range.invalid(), radius, std::numeric_limits<float>::infinity(), padded);
+  padded.create(disparity.rows, disparity.cols + 2 * radius + kLongestVector, CV_32FC1);
   tbb::parallel_for(0, disparity.rows, [&](int y) {
-    HWY_DYNAMIC_DISPATCH(filterRow)
-    (padded.ptr<float>(y + radius) + radius, static_cast<std::ptrdiff_t>(padded.step1()),
-     disparity.cols, weights.data(), radius, threshold_px, range.invalid(), filtered.ptr<float>(y));
+    auto* row = padded.ptr<float>(y);
+    std::fill_n(row, padded.cols, std::numeric_limits<float>::infinity());
+    HWY_DYNAMIC_DISPATCH(filterBoth)
+    (disparity, y, {weights.data(), radius, threshold_px}, range.invalid(), row,
+     filtered.ptr<float>(y));
   });
 }
 

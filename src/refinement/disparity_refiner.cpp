@@ -4,6 +4,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "refinement/label_runs.h"
+
 #include "cbmv_stereo/refinement/bilateral_filter.h"
 #include "cbmv_stereo/refinement/interpolation.h"
 #include "cbmv_stereo/refinement/left_right_check.h"
@@ -18,10 +20,10 @@ void markUnmatched(const RefinedMaps& maps, float invalid) {
     const auto* labels = maps.labels.ptr<std::uint8_t>(y);
     auto* disparity = maps.disparity.ptr<float>(y);
     auto* confidence = maps.confidence.ptr<float>(y);
-    for (int x = 0; x < maps.labels.cols; ++x) {
-      const bool failed = labels[x] != kMatch;
-      disparity[x] = failed ? invalid : disparity[x];
-      confidence[x] *= failed ? 0.5F : 1.0F;
+    for (int x = firstUnmatched(labels, 0, maps.labels.cols); x < maps.labels.cols;
+         x = firstUnmatched(labels, x + 1, maps.labels.cols)) {
+      disparity[x] = invalid;
+      confidence[x] *= 0.5F;
     }
   });
 }
@@ -45,8 +47,7 @@ void DisparityRefiner::refine(const cv::Mat& winners, const DisparityRange& rang
 }
 
 void DisparityRefiner::replaceUnmatched(const DisparityRange& range,
-                                        const RefinementOptions& options,
-                                        const RefinedMaps& maps) {
+                                        const RefinementOptions& options, const RefinedMaps& maps) {
   markUnmatched(maps, range.invalid());
   if (options.fill_occlusions) {
     fillOcclusions(maps.labels, range, maps.disparity);

@@ -9,6 +9,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "refinement/label_runs.h"
+
 #include "cbmv_stereo/refinement/left_right_check.h"
 
 #ifndef CBMV_INTERPOLATION_ONCE
@@ -235,10 +237,12 @@ void fillOcclusionsOfRow(const std::uint8_t* labels, int width, float without_ma
   const std::uint8_t* first_match = std::find(labels, labels + width, kMatch);
   const bool any_match = first_match != labels + width;
   float background = any_match ? disparity[first_match - labels] : without_match;
-  for (int x = 0; x < width; ++x) {
-    if (labels[x] == kMatch) {
-      background = disparity[x];
-    } else if (labels[x] == kOcclusion) {
+  for (int x = firstUnmatched(labels, 0, width); x < width;
+       x = firstUnmatched(labels, x + 1, width)) {
+    if (x > 0 && labels[x - 1] == kMatch) {
+      background = disparity[x - 1];
+    }
+    if (labels[x] == kOcclusion) {
       disparity[x] = background;
     }
   }

@@ -1,12 +1,15 @@
 #include "cbmv_stereo/refinement/left_right_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#ifndef CBMV_REFINEMENT_LEFT_RIGHT_CHECK_ONCE
+#define CBMV_REFINEMENT_LEFT_RIGHT_CHECK_ONCE
 namespace cbmv {
 namespace {
 
@@ -21,38 +24,8 @@ struct RightRow {
   DisparityRange range;
   float max_difference_px;
 
-  bool agrees(int x, float left_disparity) const {
-    const float exact = static_cast<float>(x) - left_disparity;
-    if (!(exact > -0.5F && exact < static_cast<float>(width))) {
-      return false;
-    }
-    const int below = static_cast<int>(exact);
-    const int column = below + static_cast<int>(exact - static_cast<float>(below) >= 0.5F);
-    return column < width && disparity[column] != range.invalid() &&
-           std::abs(left_disparity - disparity[column]) <= max_difference_px;
-  }
-
-  /// Marks of a row of the left image, which are 0 before. Most right disparities are whole and
-  /// inside of the range: then only the column that they match is marked, and those up to
-  /// matchReach() beside it agree, too.
-  void markRow(std::uint8_t* marks) const {
-    const RightRow row = *this;  // a store of a byte may change any member
-    const auto lowest = static_cast<float>(row.range.min);
-    const auto highest = static_cast<float>(row.range.max());
-    for (int column = 0; column < row.width; ++column) {
-      const float d = row.disparity[column];
-      const auto whole = static_cast<int>(std::min(std::max(d, lowest), highest));
-      const int x = column + whole;
-      if (static_cast<float>(whole) == d && d > lowest && d < highest && x >= 0 && x < row.width &&
-          row.matchReach() >= 0) {
-        marks[x] |= kMatchOf;
-      } else {
-        row.markAgreeing(column, marks);
-      }
-    }
-  }
-
-  /// −1: no column is marked as a match.
+  /// Of a column with a whole disparity inside of the range, only the column that it matches is
+  /// marked: those up to so many beside it agree, too. −1: no column is marked as a match.
   int matchReach() const {
     return max_difference_px >= 0 && max_difference_px < 2 ? static_cast<int>(max_difference_px)
                                                            : -1;
@@ -82,19 +55,142 @@ struct RightRow {
   }
 };
 
-/// `labels` holds the marks of the row and becomes its labels.
+}  // namespace
+}  // namespace cbmv
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refinement/left_right_check.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "refinement/padded_disparity.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, kLongestVector>;
+
+/// The left columns that the neighboring right columns from `column` on match, or −1 where the
+/// disparity is not a whole one inside of the range or the match lies outside of the image.
+template <class D>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> matchesOf(D tag, const RightRow& row, int column) {
+  const hn::RebindToSigned<D> integers;
+  const auto d = hn::LoadU(tag, row.disparity + column);
+  const auto lowest = hn::Set(tag, static_cast<float>(row.range.min));
+  const auto highest = hn::Set(tag, static_cast<float>(row.range.max()));
+  const auto whole = hn::ConvertTo(integers, hn::Min(hn::Max(d, lowest), highest));
+  const auto x = hn::Add(countFrom(integers, column), whole);
+  const auto is_whole = hn::Eq(hn::ConvertTo(tag, whole), d);
+  const auto is_within = hn::And(hn::Gt(d, lowest), hn::Lt(d, highest));
+  const auto matches = hn::RebindMask(integers, hn::And(is_whole, is_within));
+  const auto none = hn::Set(integers, -1);
+  const auto is_column = hn::Lt(x, hn::Set(integers, row.width));
+  return hn::IfThenElse(hn::And(matches, is_column), hn::Max(x, none), none);
+}
+
+/// Marks of a row of the left image, which are 0 before.
+void markRow(const RightRow& row, std::uint8_t* marks) {
+  if (row.matchReach() < 0) {
+    for (int column = 0; column < row.width; ++column) {
+      row.markAgreeing(column, marks);
+    }
+    return;
+  }
+  forLanes(Floats(), 0, row.width, [&](auto tag, int column, int) HWY_ATTR {
+    const hn::RebindToSigned<decltype(tag)> integers;
+    const auto matches = matchesOf(tag, row, column);
+    HWY_ALIGN std::int32_t columns[kLongestVector];
+    hn::Store(matches, integers, columns);
+    const bool all_match = hn::AllFalse(integers, hn::Lt(matches, hn::Zero(integers)));
+    for (int i = 0; i < static_cast<int>(hn::Lanes(tag)); ++i) {
+      if (all_match || columns[i] >= 0) {
+        marks[columns[i]] = kMatchOf;  // includes kAgrees
+      } else {
+        row.markAgreeing(column + i, marks);
+      }
+    }
+  });
+}
+
+/// Left pixels from column x on, of disparities `d`, that agree with the right ones.
+template <class D>
+HWY_INLINE hn::Mask<D> agree(D tag, const RightRow& right, int x, hn::Vec<D> d) {
+  const hn::RebindToSigned<D> integers;
+  const auto width = hn::Set(integers, right.width);
+  const auto invalid = hn::Set(tag, right.range.invalid());
+  const auto exact = hn::Sub(hn::ConvertTo(tag, countFrom(integers, x)), d);
+  const auto near = hn::And(hn::Gt(exact, hn::Set(tag, -0.5F)),
+                            hn::Lt(exact, hn::Set(tag, static_cast<float>(right.width))));
+  const auto inside = hn::IfThenElseZero(near, exact);
+  const auto below = hn::ConvertTo(integers, inside);
+  const auto rounds_up = hn::Ge(hn::Sub(inside, hn::ConvertTo(tag, below)), hn::Set(tag, 0.5F));
+  const auto column =
+      hn::Sub(below, hn::VecFromMask(integers, hn::RebindMask(integers, rounds_up)));
+  const auto is_column = hn::Lt(column, width);
+  const auto other = hn::GatherIndex(tag, right.disparity, hn::IfThenElseZero(is_column, column));
+  const auto difference = hn::Abs(hn::Sub(d, other));
+  const auto close = hn::Le(difference, hn::Set(tag, right.max_difference_px));
+  const auto valid = hn::And(hn::Ne(other, invalid), hn::Ne(d, invalid));
+  return hn::And(hn::And(near, hn::RebindMask(tag, is_column)), hn::And(valid, close));
+}
+
+/// Labels of neighboring pixels from column x on; `marks` are those of these, with one pixel more
+/// on either side.
+template <class D>
+HWY_INLINE void labelVector(D tag, const float* left, const RightRow& right, int x,
+                            const std::uint8_t* marks, std::uint8_t* labels) {
+  const hn::Rebind<std::uint8_t, D> bytes;
+  const hn::RebindToSigned<D> words;
+  const auto beside = hn::Or(hn::LoadU(bytes, marks - 1), hn::LoadU(bytes, marks + 1));
+  const auto mark_beside = hn::Set(bytes, right.matchReach() == 1 ? kMatchOf : std::uint8_t{0});
+  const auto here = hn::Or(hn::LoadU(bytes, marks), hn::And(beside, mark_beside));
+  const auto is_occlusion = hn::Eq(hn::PromoteTo(words, here), hn::Zero(words));
+  const auto other =
+      hn::IfThenElse(is_occlusion, hn::Set(words, kOcclusion), hn::Set(words, kMismatch));
+  const auto matches = hn::RebindMask(words, agree(tag, right, x, hn::LoadU(tag, left + x)));
+  const auto label = hn::IfThenElse(matches, hn::Set(words, kMatch), other);
+  hn::StoreU(hn::DemoteTo(bytes, label), bytes, labels + x);
+}
+
+/// `labels` holds the marks of the row and becomes its labels. Marks are copied, because those of
+/// the neighbors are read when labels have replaced them.
 void labelRow(const float* left, const RightRow& right, std::uint8_t* labels) {
-  const bool reaches_neighbours = right.matchReach() == 1;
-  std::uint8_t before = 0;
-  for (int x = 0; x < right.width; ++x) {
-    const std::uint8_t here = labels[x];
-    const std::uint8_t after = x + 1 < right.width ? labels[x + 1] : std::uint8_t{0};
-    const int beside = reaches_neighbours ? (before | after) & kMatchOf : 0;
-    const Label other = (here | beside) == 0 ? kOcclusion : kMismatch;
-    labels[x] = left[x] != right.range.invalid() && right.agrees(x, left[x]) ? kMatch : other;
-    before = here;
+  constexpr int kBlock = 512;
+  std::array<std::uint8_t, kBlock + 2> marks;
+  marks[0] = 0;
+  for (int first = 0; first < right.width; first += kBlock) {
+    const int end = std::min(first + kBlock, right.width);
+    const int copied = std::min(end + 1, right.width);
+    std::copy(labels + first, labels + copied, marks.begin() + 1);
+    marks[end - first + 1] = copied > end ? marks[end - first + 1] : std::uint8_t{0};
+    forLanes(Floats(), first, end, [&](auto tag, int x, int) HWY_ATTR {
+      labelVector(tag, left, right, x, marks.data() + 1 + x - first, labels);
+    });
+    marks[0] = marks[end - first];
   }
 }
+
+/// `labels` is 0 before.
+void checkRow(const float* left, const RightRow& right, std::uint8_t* labels) {
+  markRow(right, labels);
+  labelRow(left, right, labels);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cbmv {
+namespace {
+
+HWY_EXPORT(checkRow);
 
 }  // namespace
 
@@ -105,14 +201,14 @@ void leftRightCheck(const cv::Mat& left_disparity, const cv::Mat& right_disparit
   labels.create(left_disparity.size(), CV_8UC1);
   tbb::parallel_for(tbb::blocked_range<int>(0, labels.rows), [&](const auto& rows) {
     for (int y = rows.begin(); y != rows.end(); ++y) {
-      const auto* left = left_disparity.ptr<float>(y);
-      const RightRow right{right_disparity.ptr<float>(y), labels.cols, range, max_difference_px};
       auto* out = labels.ptr<std::uint8_t>(y);
-      std::fill_n(out, labels.cols, 0);
-      right.markRow(out);
-      labelRow(left, right, out);
+      std::fill_n(out, labels.cols, std::uint8_t{0});
+      HWY_DYNAMIC_DISPATCH(checkRow)
+      (left_disparity.ptr<float>(y),
+       RightRow{right_disparity.ptr<float>(y), labels.cols, range, max_difference_px}, out);
     }
   });
 }
 
 }  // namespace cbmv
+#endif  // HWY_ONCE

@@ -35,6 +35,13 @@ HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
   }
 }
 
+/// first, first + 1, …; where `first` is no constant, Iota goes lane by lane through memory.
+template <class D>
+HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> countFrom(D tag, hwy::HWY_NAMESPACE::TFromD<D> first) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  return hn::Add(hn::Iota(tag, 0), hn::Set(tag, first));
+}
+
 /// Lanes of which only the first `count` are looked at. Those behind them are read, too, where that
 /// is cheapest; another thread may be writing them, which does no harm, but ThreadSanitizer names
 /// it.

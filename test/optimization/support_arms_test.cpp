@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -24,6 +25,29 @@ int naiveArm(const cv::Mat& grey, int y, int x, int dy, int dx, int max_length, 
   return length;
 }
 
+cv::Vec4b naiveArms(const cv::Mat& grey, int y, int x, int max_length, double threshold) {
+  return {static_cast<std::uint8_t>(naiveArm(grey, y, x, 0, -1, max_length, threshold)),
+          static_cast<std::uint8_t>(naiveArm(grey, y, x, 0, 1, max_length, threshold)),
+          static_cast<std::uint8_t>(naiveArm(grey, y, x, -1, 0, max_length, threshold)),
+          static_cast<std::uint8_t>(naiveArm(grey, y, x, 1, 0, max_length, threshold))};
+}
+
+void expectNaiveArms(const cv::Mat& grey, int max_length, float threshold) {
+  cv::Mat expected(grey.size(), CV_8UC4);
+  for (int y = 0; y < grey.rows; ++y) {
+    for (int x = 0; x < grey.cols; ++x) {
+      expected.at<cv::Vec4b>(y, x) = naiveArms(grey, y, x, max_length, threshold);
+    }
+  }
+  onEverySimdTarget([&] {
+    cv::Mat arms;
+    computeSupportArms(grey, max_length, threshold, arms);
+    ASSERT_EQ(arms.type(), CV_8UC4);
+    ASSERT_EQ(arms.size(), grey.size());
+    EXPECT_EQ(cv::norm(arms, expected, cv::NORM_INF), 0);
+  });
+}
+
 class SupportArms : public testing::TestWithParam<Case> {};
 
 TEST_P(SupportArms, EqualNaiveOnes) {
@@ -31,24 +55,17 @@ TEST_P(SupportArms, EqualNaiveOnes) {
   const cv::Mat grey = makeGrey(shape.size(), content, view == View::kLeft ? 1 : 2);
   for (const int max_length : {1, 6, 255}) {
     for (const float threshold : {-1.0F, 0.0F, 4.0F, 70.3F, 1000.0F}) {
-      cv::Mat arms;
-      computeSupportArms(grey, max_length, threshold, arms);
-      ASSERT_EQ(arms.type(), CV_8UC4);
-      ASSERT_EQ(arms.size(), grey.size());
-      for (int y = 0; y < grey.rows; ++y) {
-        for (int x = 0; x < grey.cols; ++x) {
-          const cv::Vec4b expected(naiveArm(grey, y, x, 0, -1, max_length, threshold),
-                                   naiveArm(grey, y, x, 0, 1, max_length, threshold),
-                                   naiveArm(grey, y, x, -1, 0, max_length, threshold),
-                                   naiveArm(grey, y, x, 1, 0, max_length, threshold));
-          ASSERT_EQ(arms.at<cv::Vec4b>(y, x), expected) << "y " << y << " x " << x;
-        }
-      }
+      expectNaiveArms(grey, max_length, threshold);
     }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SupportArms, allCases());
+
+TEST(SupportArms, EqualNaiveOnesInWideImages) {
+  expectNaiveArms(makeGrey({1100, 3}, Content::kPatches, 4), 255, 150.0F);
+  expectNaiveArms(cv::Mat(2, 1100, CV_8UC1, cv::Scalar(7)), 255, 1.0F);
+}
 
 TEST(SupportArms, ReadsPartsOfImages) {
   const cv::Mat whole = makeGrey({50, 40}, Content::kPatches, 3);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
+#include "support/simd_targets.h"
 
 namespace cbmv::test {
 namespace {
@@ -54,10 +55,18 @@ TEST_P(LeftRightCheck, EqualsNaiveOne) {
       right = withFractions(right, range.invalid());
     }
     for (const float max_difference : {0.0F, 1.0F, 2.5F}) {
-      cv::Mat labels;
-      leftRightCheck(left, right, range, max_difference, labels);
-      expectMap<std::uint8_t>(labels, shape.size(), [&](int y, int x) {
-        return naiveLabel(left, right, range, max_difference, y, x);
+      cv::Mat expected(shape.size(), CV_8UC1);
+      for (int y = 0; y < shape.height; ++y) {
+        for (int x = 0; x < shape.width; ++x) {
+          expected.at<std::uint8_t>(y, x) =
+              static_cast<std::uint8_t>(naiveLabel(left, right, range, max_difference, y, x));
+        }
+      }
+      onEverySimdTarget([&, all = shape, limit = max_difference] {
+        cv::Mat labels;
+        leftRightCheck(left, right, all.range, limit, labels);
+        expectMap<std::uint8_t>(labels, all.size(),
+                                [&](int y, int x) { return expected.at<std::uint8_t>(y, x); });
       });
     }
   }
@@ -68,16 +77,18 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LeftRightCheck, allCases());
 /// Expects of a left image without disparities what trying them all in float gives.
 void expectTriedLabels(const cv::Mat& right, const DisparityRange& range, float max_difference) {
   const cv::Mat left(right.size(), CV_32FC1, range.invalid());
-  cv::Mat labels;
-  leftRightCheck(left, right, range, max_difference, labels);
-  expectMap<std::uint8_t>(labels, right.size(), [&](int y, int x) {
-    for (int d = range.min; d <= range.max(); ++d) {
-      if (isInside(right, y, x - d) && right.at<float>(y, x - d) != range.invalid() &&
-          std::abs(static_cast<float>(d) - right.at<float>(y, x - d)) <= max_difference) {
-        return kMismatch;
+  onEverySimdTarget([&] {
+    cv::Mat labels;
+    leftRightCheck(left, right, range, max_difference, labels);
+    expectMap<std::uint8_t>(labels, right.size(), [&](int y, int x) {
+      for (int d = range.min; d <= range.max(); ++d) {
+        if (isInside(right, y, x - d) && right.at<float>(y, x - d) != range.invalid() &&
+            std::abs(static_cast<float>(d) - right.at<float>(y, x - d)) <= max_difference) {
+          return kMismatch;
+        }
       }
-    }
-    return kOcclusion;
+      return kOcclusion;
+    });
   });
 }
 
@@ -111,6 +122,17 @@ TEST(LeftRightCheck, RoundsLikeTryingAllDisparities) {
       expectTriedLabels(right, range, std::abs(whole - fine));
     }
   }
+}
+
+/// Marks of matches reach into the blocks of pixels that are labeled at once.
+TEST(LeftRightCheck, LabelsWideRows) {
+  const DisparityRange range{0, 20};
+  cv::Mat right(4, 1300, CV_32FC1);
+  std::mt19937 random(4);
+  for (float& d : cv::Mat_<float>(right)) {
+    d = random() % 2 == 0 ? range.invalid() : static_cast<float>(random() % 20);
+  }
+  expectTriedLabels(right, range, 1.0F);
 }
 
 TEST(LeftRightCheck, TellsOcclusionFromMismatch) {
