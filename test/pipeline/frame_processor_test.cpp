@@ -171,6 +171,40 @@ TEST_F(Processor, SourcesOfTheOffsetAgree) {
             0);
 }
 
+TEST_F(Processor, FindsARangeThatIsAutomatic) {
+  const StereoInput input = misalignedPair();
+  const PreparedPair pair = processor_.prepare(input);
+  options_.range = {-16, 0};
+  processor_.setOptions(options_);
+  const DisparityRange own = processor_.rangeOf(pair);
+  EXPECT_EQ(own, RangeFinder().find(input.left, input.right, -16));
+  const ProcessedFrame frame = process(input);
+  EXPECT_EQ(frame.result.range, own);
+  EXPECT_TRUE(frame.range_is_automatic);
+  EXPECT_TRUE(frame.range_correction.empty());
+
+  StereoMatcher matcher(std::make_shared<const Forest>(makeForestFixture()), options_);
+  EXPECT_EQ(matcher.match(input.left, input.right).range, own);
+
+  options_.range = own;
+  processor_.setOptions(options_);
+  EXPECT_FALSE(process(input).range_is_automatic);
+}
+
+/// A pair's own range does not depend on earlier pairs; a followed one does.
+TEST_F(Processor, TakesTheRangeFromItsSource) {
+  options_.range.count = 0;
+  processor_.setOptions(options_);
+  const PreparedPair pair = processor_.prepare(misalignedPair());
+  PreparedPair flat = pair;
+  flat.images = {cv::Mat(131, 251, CV_8UC1, cv::Scalar(9)), cv::Mat(131, 251, CV_8UC1, cv::Scalar(9))};
+  FollowedRange followed;
+  const DisparityRange found = processor_.match(pair, offset_, followed).result.range;
+  EXPECT_EQ(processor_.match(flat, offset_).result.range.count, RangeFinder::kDefaultCount);
+  EXPECT_EQ(processor_.match(flat, offset_, followed).result.range, found);
+  EXPECT_EQ(processor_.match(pair, offset_).result.range, found);
+}
+
 TEST_F(Processor, LooksAtTheMemoryAnewWhenTheSizeChanges) {
   options_.max_memory_mb = static_cast<int>(std::ceil(requiredMemoryMb({251, 131}, options_)));
   processor_.setOptions(options_);
