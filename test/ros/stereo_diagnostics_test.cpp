@@ -96,6 +96,18 @@ TEST_F(Diagnostics, NameParametersThatWereNotTaken) {
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "P1 is nan");
 }
 
+TEST_F(Diagnostics, TellTheDisparitiesThatAreSearched) {
+  ProcessedFrame frame = makeFrame();
+  frame.result.range = {-4, 80};
+  diagnostics_.processed(frame, at(1));
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values["disparities"],
+            "-4 ... 75 px");
+  frame.range_is_automatic = true;
+  diagnostics_.processed(frame, at(2));
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 2).values["disparities"],
+            "-4 ... 75 px, found in the images");
+}
+
 TEST_F(Diagnostics, RatesAreThoseOfTheStream) {
   run(0, 0.25);
   const Report input = report(diagnostics_, &StereoDiagnostics::describeInput, 4.75);
@@ -200,6 +212,7 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
                                                        {"aggregation (ms)", "30.0"},
                                                        {"sgm (ms)", "40.0"},
                                                        {"refinement (ms)", "5.0"},
+                                                       {"disparities", "0 ... 63 px"},
                                                        {"memory (MB)", "123"},
                                                        {"parameters that were not taken", "none"}};
   EXPECT_EQ(method.values, expected);
