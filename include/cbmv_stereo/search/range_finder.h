@@ -20,7 +20,7 @@ namespace cbmv {
 /// groups are taken for outliers. A quarter of the found range is added, for what is nearer but not
 /// seen by both cameras, and for what the coarse image does not show.
 ///
-/// Checked on 134 scenes (Middlebury, KITTI, RealSense): docs/method.md.
+/// Checked on 137 scenes (Middlebury, KITTI, RealSense): docs/method.md.
 class RangeFinder {
  public:
   static constexpr int kSmallestObjectPx = 32;
