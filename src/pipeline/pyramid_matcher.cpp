@@ -25,6 +25,19 @@ void addTimes(const StageTimes& more, StageTimes& times) {
   times.refinement_ms += more.refinement_ms;
 }
 
+/// The disparities that pass the left-right check.
+void copyMatches(const StereoResult& result, cv::Mat& matches) {
+  matches.create(result.disparity.size(), CV_32FC1);
+  const float invalid = result.range.invalid();
+  for (int y = 0; y < matches.rows; ++y) {
+    const auto* labels = result.labels.ptr<std::uint8_t>(y);
+    std::transform(labels, labels + matches.cols, result.disparity.ptr<float>(y),
+                   matches.ptr<float>(y), [invalid](std::uint8_t label, float disparity) {
+                     return label == kMatch ? disparity : invalid;
+                   });
+  }
+}
+
 }  // namespace
 
 int searchLevels(const cv::Size& image_size, const StereoOptions& options) {
@@ -125,8 +138,7 @@ class PyramidMatcher::Impl {
     const StereoResult& coarse = before->result;
     const float invalid = coarse.range.invalid();
     const float reach_px = options.surface.reach_px;
-    coarse.disparity.copyTo(stages.matched);
-    stages.matched.setTo(invalid, coarse.labels != kMatch);
+    copyMatches(coarse, stages.matched);
     stages.prior.estimate(stages.matched, invalid, reach_px, size, stages.surfaces.left);
     if (options.refinement.left_right_check && options.refinement.optimize_right_view) {
       stages.prior.estimate(coarse.right_disparity, invalid, reach_px, size,

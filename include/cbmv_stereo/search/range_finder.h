@@ -49,7 +49,7 @@ class RangeFinder {
   bool isObject(const Pixel& seed);
 
   MutualMatcher matcher_{80};
-  cv::Mat left_, right_, half_;
+  std::vector<cv::Mat> left_halves_, right_halves_;
   cv::Mat_<std::int16_t> matches_;
   std::vector<int> places_;    ///< in sorted_, of each disparity
   std::vector<Pixel> sorted_;  ///< those that have a match, the largest disparity last
