@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <deque>
+#include <string>
+#include <vector>
 
 #include "stopwatch.h"
 
+#include "cbmv_stereo/input/input_error.h"
 #include "cbmv_stereo/optimization/coarse_volume.h"
 #include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/windowed_estimator.h"
 #include "cbmv_stereo/search/mutual_matches.h"
 #include "cbmv_stereo/search/search_windows.h"
@@ -57,6 +61,8 @@ class PyramidMatcher::Impl {
     while (static_cast<int>(levels_.size()) < coarser) {
       levels_.emplace_back();
     }
+    full_size_ = left.size();
+    hypotheses_ = expectedHypotheses(full_size_, options);
     const cv::Mat* left_image = &left;
     const cv::Mat* right_image = &right;
     DisparityRange range = options.range;
@@ -66,6 +72,7 @@ class PyramidMatcher::Impl {
       halveImage(*right_image, level.right);
       range = halveRange(range);
       level.range = range;
+      level.stages.halvings = i + 1;
       left_image = &level.left;
       right_image = &level.right;
     }
@@ -79,11 +86,13 @@ class PyramidMatcher::Impl {
       before = &level;
     }
     matchLevel(left, right, options.range, before, options, forest, evaluator, finest_, result);
+    result.memory_mb = searchMemoryMb(full_size_, options, hypotheses_);
   }
 
  private:
   /// Memory of the stages of one level.
   struct Stages {
+    int halvings = 0;  ///< of the full size
     MutualMatcher mutual;
     SearchWindows windows;
     WindowedVolumeBuilder builder;
@@ -106,9 +115,9 @@ class PyramidMatcher::Impl {
   };
 
   /// `before` is the coarser level; null: the level is searched exhaustively.
-  static void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
-                         const Level* before, const StereoOptions& options, const Forest& forest,
-                         const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
+  void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                  const Level* before, const StereoOptions& options, const Forest& forest,
+                  const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
     {
       const Stopwatch watch(result.times.volume_ms);
       if (before == nullptr) {
@@ -118,6 +127,7 @@ class PyramidMatcher::Impl {
         stages.windows.build(before->result.disparity, before->result.range.invalid(),
                              stages.matches, range, options.search, stages.space);
       }
+      requireMemory(stages, options);
       stages.builder.build(left, right, stages.space, forest, evaluator, stages.volume);
     }
     {
@@ -126,6 +136,15 @@ class PyramidMatcher::Impl {
     }
     stages.estimator.estimate(left, right, stages.surfaces, options, stages.space, stages.volume,
                               result);
+  }
+
+  /// Throws InputError if the pair needs too much, now that the lists of this level are known.
+  void requireMemory(const Stages& stages, const StereoOptions& options) {
+    hypotheses_[stages.halvings] = static_cast<double>(stages.space.entries()) * kTileColumns;
+    const std::string refusal = searchMemoryRefusal(full_size_, options, hypotheses_);
+    if (!refusal.empty()) {
+      throw InputError(InputFault::kMemory, refusal);
+    }
   }
 
   /// Pixels that fail the left-right check of the coarser level do not count.
@@ -146,6 +165,8 @@ class PyramidMatcher::Impl {
     }
   }
 
+  cv::Size full_size_;
+  std::vector<double> hypotheses_;  ///< of each level, the full size first; expected until known
   std::deque<Level> levels_;  ///< half the size first
   Stages finest_;
 };

@@ -83,7 +83,7 @@ TEST_F(Processor, TellsTheVerticalOffset) {
   EXPECT_EQ(frame.result.rectification.offset_px, frame.rectification.measurement.model.offset_px);
   EXPECT_GT(frame.rectification.age_s, 0);
   EXPECT_LT(frame.rectification.age_s, 60);
-  EXPECT_GT(frame.memory_mb, 0);
+  EXPECT_EQ(frame.result.memory_mb, requiredMemoryMb({251, 131}, options_));
 }
 
 TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
@@ -203,6 +203,29 @@ TEST_F(Processor, TakesTheRangeFromItsSource) {
   EXPECT_EQ(processor_.match(flat, offset_).result.range.count, RangeFinder::kDefaultCount);
   EXPECT_EQ(processor_.match(flat, offset_, followed).result.range, found);
   EXPECT_EQ(processor_.match(pair, offset_).result.range, found);
+}
+
+/// As node and bags expect it of input that cannot be used.
+TEST_F(Processor, NamesTheImageWhoseSearchNeedsTooMuchMemory) {
+  options_.search.levels = 2;
+  options_.range.count = 120;
+  processor_.setOptions(options_);
+  StereoInput input = misalignedPair();
+  cv::randu(input.left, 0, 256);
+  const PreparedPair pair = processor_.prepare(input);
+  const double needed = processor_.match(pair, offset_).result.memory_mb;
+  const double expected = requiredMemoryMb({251, 131}, options_);
+  ASSERT_GT(std::floor(needed), expected) << "many disparities compete where nothing matches";
+  options_.max_memory_mb = static_cast<int>(std::ceil(expected));
+  processor_.setOptions(options_);
+  try {
+    processor_.match(pair, offset_);
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.fault(), InputFault::kMemory);
+    EXPECT_TRUE(mentions(error.what(), {"left.png: images of 251x131", "max_memory_mb allows"}));
+  }
+  EXPECT_NO_THROW(process()) << "the next pair needs less";
 }
 
 TEST_F(Processor, LooksAtTheMemoryAnewWhenTheSizeChanges) {
