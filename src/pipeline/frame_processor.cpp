@@ -8,9 +8,15 @@
 #include "thread_limit.h"
 
 #include "cbmv_stereo/pipeline/machine_memory.h"
-#include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
+namespace {
+
+std::string prefixOf(const std::string& image_name) {
+  return image_name.empty() ? "" : image_name + ": ";
+}
+
+}  // namespace
 
 std::string describeRange(const DisparityRange& range) {
   return std::to_string(range.min) + " ... " + std::to_string(range.max()) + " px";
@@ -43,13 +49,12 @@ DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted)
 
 StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
                          const std::string& image_name) {
-  const std::string prefix = image_name.empty() ? "" : image_name + ": ";
   StereoOptions options = wanted;
   options.range = clipRange(wanted.range, image_size.width);
   try {
     requireMemory(image_size, options);
   } catch (const Error& error) {
-    throw InputError(InputFault::kMemory, prefix + error.what());
+    throw InputError(InputFault::kMemory, prefixOf(image_name) + error.what());
   }
   return options;
 }
@@ -103,8 +108,13 @@ ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& off
   adaptTo(pair, ranges);
   const StereoOptions& options = matcher_.options();
   ProcessedFrame frame;
-  frame.result = matcher_.match(pair.images.left, pair.images.right,
-                                offset.offsetOf(pair.images, options.range, options.rectification));
+  const VerticalOffset vertical_offset =
+      offset.offsetOf(pair.images, options.range, options.rectification);
+  try {
+    frame.result = matcher_.match(pair.images.left, pair.images.right, vertical_offset);
+  } catch (const InputError& error) {
+    throw InputError(error.fault(), prefixOf(pair.names.left_image) + error.what());
+  }
   frame.rectification = offset.state();
   frame.result.disparity.setTo(frame.result.range.invalid(),
                                frame.result.confidence < min_confidence_.load());
@@ -114,7 +124,6 @@ ProcessedFrame FrameProcessor::match(const PreparedPair& pair, OffsetSource& off
   frame.range_is_automatic = range_is_automatic_;
   frame.disparity_step_px = disparityStep(options.range, options.refinement);
   frame.range_correction = range_correction_;
-  frame.memory_mb = memory_mb_;
   return frame;
 }
 
@@ -168,7 +177,6 @@ void FrameProcessor::setOptionsFor(cv::Size image_size, const StereoOptions& wan
                         describeRange(options.range) + " are used";
   }
   matcher_.setOptions(options);
-  memory_mb_ = requiredMemoryMb(image_size, options);
   adapted_size_ = image_size;
 }
 

@@ -5,6 +5,8 @@
 #include <thread>
 
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/pyramid_matcher.h"
+#include "cbmv_stereo/volume/search_space.h"
 
 namespace cbmv {
 namespace {
@@ -35,7 +37,7 @@ struct Problem {
     return result;
   }
 
-  const StereoOptions& options;
+  StereoOptions options;
   double width;
   double pixels;
   double disparities;
@@ -44,11 +46,14 @@ struct Problem {
 
 double ifSet(bool set, double bytes) { return set ? bytes : 0; }
 
+double bytesOfHypothesis(const StereoOptions& options) {
+  const int steps = options.aggregation.iterations_before + options.sgm.iterations +
+                    options.aggregation.iterations_after;
+  return 1 + 2 * std::clamp(steps, 1, 2);
+}
+
 double bytesOfVolumes(const Problem& problem) {
-  const AggregationOptions& aggregation = problem.options.aggregation;
-  const int steps =
-      aggregation.iterations_before + problem.options.sgm.iterations + aggregation.iterations_after;
-  return problem.pixels * problem.disparities * (1 + 2 * std::clamp(steps, 1, 2));
+  return problem.pixels * problem.disparities * bytesOfHypothesis(problem.options);
 }
 
 /// Maps of the alignment and of the matchers.
@@ -97,6 +102,33 @@ double bytesOfSums(const Problem& problem) {
   return problem.threads * (2 * longest_arm + 1) * columns * bytes_of_column;
 }
 
+/// Of both views of a level of a search: volumes, and lists that may hold twice what they need.
+double bytesOfLists(const Problem& problem, double hypotheses) {
+  const double right = ifSet(problem.matchesRightView(), 1);
+  const double lists = (1 + right) * 2 * sizeof(std::int16_t) / kTileColumns;
+  return hypotheses * (bytesOfHypothesis(problem.options) + right + lists);
+}
+
+/// Mutual matches and windows, steps of semi-global matching, and the level before.
+double bytesOfSearchMaps(const Problem& problem) {
+  const double matches = 2 + 2 * (1 + 8);
+  const double windows = 1.5 * problem.disparities / 8 / kTileColumns;
+  const double steps = 2 * (1 + problem.disparities / problem.width);
+  const double surfaces = ifSet(problem.options.surface.enabled, 2 + 2 + 2 + 4.0 / 4);
+  const double half_pair = 2.0 / 4;
+  return problem.pixels * (matches + windows + steps + surfaces + half_pair);
+}
+
+double bytesOfScan(const Problem& problem) {
+  return problem.threads * 4 * (problem.width + 128) * problem.disparities;
+}
+
+double bytesOfLevel(const Problem& problem, double hypotheses) {
+  return bytesOfLists(problem, hypotheses) + bytesOfMatchingMaps(problem) +
+         bytesOfEstimationMaps(problem) + bytesOfSearchMaps(problem) + bytesOfRows(problem) +
+         bytesOfScan(problem) + bytesOfPaths(problem) + bytesOfSums(problem);
+}
+
 /// Of optimization and refinement.
 double bytesOfEstimation(const Problem& problem) {
   return bytesOfVolumes(problem) + bytesOfEstimationMaps(problem) + bytesOfPaths(problem) +
@@ -114,9 +146,49 @@ double bytesOfSurfaces(const cv::Size& image_size, const Problem& problem) {
          bytesOfSurfaces(image_size / 2, half);
 }
 
+std::string refusalOf(double required_mb, const cv::Size& image_size,
+                      const StereoOptions& options) {
+  if (options.max_memory_mb == 0 || required_mb <= options.max_memory_mb) {
+    return {};
+  }
+  return "images of " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height) +
+         " pixels with " + std::to_string(options.range.count) + " disparities need " +
+         std::to_string(std::lround(std::ceil(required_mb))) + " MB, but max_memory_mb allows " +
+         std::to_string(options.max_memory_mb) +
+         "; lower disparity_range, take smaller images or raise max_memory_mb";
+}
+
 }  // namespace
 
+std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoOptions& options) {
+  const int levels = searchLevels(image_size, options);
+  const int longer = 2 * (options.search.margin_px - SearchOptions().margin_px);
+  const double listed = kListedDisparities + std::max(0, longer);
+  std::vector<double> hypotheses;
+  Problem problem(image_size, options);
+  for (int level = 0; level < levels; ++level, problem = problem.half()) {
+    hypotheses.push_back(problem.pixels * std::min(listed, problem.disparities));
+  }
+  hypotheses.push_back(problem.pixels * problem.disparities);
+  return hypotheses;
+}
+
+double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
+                      const std::vector<double>& hypotheses) {
+  double bytes = 0;
+  Problem problem(image_size, options);
+  for (const double of_level : hypotheses) {
+    bytes += bytesOfLevel(problem, of_level);
+    problem = problem.half();
+    problem.options.refinement.optimize_right_view = true;
+  }
+  return bytes / (1 << 20);
+}
+
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options) {
+  if (searchLevels(image_size, options) > 0) {
+    return searchMemoryMb(image_size, options, expectedHypotheses(image_size, options));
+  }
   const Problem problem(image_size, options);
   return (bytesOfMatchingMaps(problem) + bytesOfRows(problem) + bytesOfEstimation(problem) +
           bytesOfSurfaces(image_size, problem)) /
@@ -124,15 +196,12 @@ double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options
 }
 
 std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options) {
-  const double required = requiredMemoryMb(image_size, options);
-  if (options.max_memory_mb == 0 || required <= options.max_memory_mb) {
-    return {};
-  }
-  return "images of " + std::to_string(image_size.width) + "x" + std::to_string(image_size.height) +
-         " pixels with " + std::to_string(options.range.count) + " disparities need " +
-         std::to_string(std::lround(std::ceil(required))) + " MB, but max_memory_mb allows " +
-         std::to_string(options.max_memory_mb) +
-         "; lower disparity_range, take smaller images or raise max_memory_mb";
+  return refusalOf(requiredMemoryMb(image_size, options), image_size, options);
+}
+
+std::string searchMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
+                                const std::vector<double>& hypotheses) {
+  return refusalOf(searchMemoryMb(image_size, options, hypotheses), image_size, options);
 }
 
 }  // namespace cbmv

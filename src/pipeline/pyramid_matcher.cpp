@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <deque>
+#include <string>
+#include <vector>
 
 #include "stopwatch.h"
 
+#include "cbmv_stereo/input/input_error.h"
 #include "cbmv_stereo/optimization/coarse_volume.h"
 #include "cbmv_stereo/optimization/surface_prior.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/windowed_estimator.h"
 #include "cbmv_stereo/search/mutual_matches.h"
 #include "cbmv_stereo/search/search_windows.h"
@@ -33,6 +37,19 @@ void addTimes(const StageTimes& more, StageTimes& times) {
   times.refinement_ms += more.refinement_ms;
 }
 
+/// The disparities that pass the left-right check.
+void copyMatches(const StereoResult& result, cv::Mat& matches) {
+  matches.create(result.disparity.size(), CV_32FC1);
+  const float invalid = result.range.invalid();
+  for (int y = 0; y < matches.rows; ++y) {
+    const auto* labels = result.labels.ptr<std::uint8_t>(y);
+    std::transform(labels, labels + matches.cols, result.disparity.ptr<float>(y),
+                   matches.ptr<float>(y), [invalid](std::uint8_t label, float disparity) {
+                     return label == kMatch ? disparity : invalid;
+                   });
+  }
+}
+
 }  // namespace
 
 int searchLevels(const cv::Size& image_size, const StereoOptions& options) {
@@ -52,6 +69,8 @@ class PyramidMatcher::Impl {
     while (static_cast<int>(levels_.size()) < coarser) {
       levels_.emplace_back();
     }
+    full_size_ = left.size();
+    hypotheses_ = expectedHypotheses(full_size_, options);
     const cv::Mat* left_image = &left;
     const cv::Mat* right_image = &right;
     DisparityRange range = options.range;
@@ -61,6 +80,7 @@ class PyramidMatcher::Impl {
       halveImage(*right_image, level.right);
       range = halveRange(range);
       level.range = range;
+      level.stages.halvings = i + 1;
       left_image = &level.left;
       right_image = &level.right;
     }
@@ -75,11 +95,13 @@ class PyramidMatcher::Impl {
       before = &level;
     }
     matchLevel(left, right, options.range, before, options, forest, evaluator, finest_, result);
+    result.memory_mb = searchMemoryMb(full_size_, options, hypotheses_);
   }
 
  private:
   /// Memory of the stages of one level.
   struct Stages {
+    int halvings = 0;  ///< of the full size
     MutualMatcher mutual;
     SearchWindows windows;
     WindowedVolumeBuilder builder;
@@ -102,9 +124,9 @@ class PyramidMatcher::Impl {
   };
 
   /// `before` is the coarser level; null: the level is searched exhaustively.
-  static void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
-                         const Level* before, const StereoOptions& options, const Forest& forest,
-                         const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
+  void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                  const Level* before, const StereoOptions& options, const Forest& forest,
+                  const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
     {
       const Stopwatch watch(result.times.volume_ms);
       if (before == nullptr) {
@@ -114,6 +136,7 @@ class PyramidMatcher::Impl {
         stages.windows.build(before->result.disparity, before->result.range.invalid(),
                              stages.matches, range, options.search, stages.space);
       }
+      requireMemory(stages, options);
       stages.builder.build(left, right, stages.space, forest, evaluator, stages.volume);
     }
     {
@@ -122,6 +145,15 @@ class PyramidMatcher::Impl {
     }
     stages.estimator.estimate(left, right, stages.surfaces, options, stages.space, stages.volume,
                               result);
+  }
+
+  /// Throws InputError if the pair needs too much, now that the lists of this level are known.
+  void requireMemory(const Stages& stages, const StereoOptions& options) {
+    hypotheses_[stages.halvings] = static_cast<double>(stages.space.entries()) * kTileColumns;
+    const std::string refusal = searchMemoryRefusal(full_size_, options, hypotheses_);
+    if (!refusal.empty()) {
+      throw InputError(InputFault::kMemory, refusal);
+    }
   }
 
   /// Pixels that fail the left-right check of the coarser level do not count.
@@ -134,8 +166,7 @@ class PyramidMatcher::Impl {
     const StereoResult& coarse = before->result;
     const float invalid = coarse.range.invalid();
     const float reach_px = options.surface.reach_px;
-    coarse.disparity.copyTo(stages.matched);
-    stages.matched.setTo(invalid, coarse.labels != kMatch);
+    copyMatches(coarse, stages.matched);
     stages.prior.estimate(stages.matched, invalid, reach_px, size, stages.surfaces.left);
     if (options.refinement.left_right_check && options.refinement.optimize_right_view) {
       stages.prior.estimate(coarse.right_disparity, invalid, reach_px, size,
@@ -143,6 +174,8 @@ class PyramidMatcher::Impl {
     }
   }
 
+  cv::Size full_size_;
+  std::vector<double> hypotheses_;  ///< of each level, the full size first; expected until known
   std::deque<Level> levels_;  ///< half the size first
   Stages finest_;
 };

@@ -94,6 +94,7 @@ class StereoMatcher::Impl {
       builder_.build(left, aligned, options.range, *forest_, evaluator_, volume_);
     }
     estimator_.estimate(left, aligned, options, volume_, result);
+    result.memory_mb = requiredMemoryMb(left.size(), options);
   }
 
   /// Those of the pair, with its range. Throws Error if they need too much memory.

@@ -133,7 +133,7 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
                    frame.result.times,
                    frame.result.range,
                    frame.range_is_automatic,
-                   frame.memory_mb,
+                   frame.result.memory_mb,
                    frame.rectification,
                    !frame.result.rectification.isZero(),
                    misalignmentWarning(frame, limits_.vertical_offset_px),

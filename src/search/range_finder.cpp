@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
-#include <utility>
 
 #include "cbmv_stereo/optimization/coarse_volume.h"
 
@@ -13,13 +12,14 @@ namespace {
 
 constexpr int kLargestWidthPx = 320;
 
-/// Halves the image `times` times into `result`; `spare` is memory.
-void shrink(const cv::Mat& image, int times, cv::Mat& result, cv::Mat& spare) {
-  image.copyTo(result);
+/// The image halved `times` times; `halves` keeps the memory.
+cv::Mat shrink(cv::Mat image, int times, std::vector<cv::Mat>& halves) {
+  halves.resize(std::max(halves.size(), static_cast<std::size_t>(times)));
   for (int i = 0; i < times; ++i) {
-    halveImage(result, spare);
-    std::swap(result, spare);
+    halveImage(image, halves[i]);
+    image = halves[i];
   }
+  return image;
 }
 
 int timesToHalve(cv::Size size) {
@@ -47,12 +47,12 @@ std::optional<DisparityRange> RangeFinder::find(const cv::Mat& left, const cv::M
                                                 int min_disparity) {
   CV_Assert(left.type() == CV_8UC1 && right.type() == CV_8UC1 && left.size() == right.size());
   const int times = timesToHalve(left.size());
-  shrink(left, times, left_, half_);
-  shrink(right, times, right_, half_);
+  const cv::Mat coarse_left = shrink(left, times, left_halves_);
+  const cv::Mat coarse_right = shrink(right, times, right_halves_);
   const int scale = 1 << times;
   const int coarse_min = static_cast<int>(std::floor(static_cast<double>(min_disparity) / scale));
-  const DisparityRange coarse{coarse_min, std::max(1, left_.cols / 2)};
-  matcher_.find(left_, right_, coarse, matches_);
+  const DisparityRange coarse{coarse_min, std::max(1, coarse_left.cols / 2)};
+  matcher_.find(coarse_left, coarse_right, coarse, matches_);
   const int nearest = findNearest(coarse.count);
   if (nearest == kNoMatch) {
     return std::nullopt;

@@ -24,7 +24,7 @@ inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
                  kPresetHelp + std::string("; the options win over it"));
   app.add_option("--disparities", arguments.disparities,
                  "Number of disparities, px; auto: found in each pair; default 64")
-      ->check(disparityCount());
+      ->transform(disparityCount());
   app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px; default 0")
       ->check(wholeNumber(-2048, 2048));
   app.add_option("--max-memory-mb", arguments.max_memory_mb,

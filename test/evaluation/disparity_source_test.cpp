@@ -43,6 +43,21 @@ TEST(MatchingSource, MatchesOverTheRangeOfTheScene) {
   }
 }
 
+/// Scene after scene, each its own.
+TEST(MatchingSource, FindsARangeThatIsAutomatic) {
+  StereoOptions options;
+  options.range.count = 0;
+  const auto forest = std::make_shared<Forest>(test::makeForest(8, 4, 3));
+  const DisparitySource source = matchingSource(forest, options);
+  for (const int width : {300, 150}) {
+    const StereoScene scene = makeScene(1, {width, 100});
+    StereoMatcher matcher(forest, options);
+    const StereoResult result = matcher.match(scene.left, scene.right);
+    EXPECT_GT(result.range.count, scene.calibration.disparities);
+    EXPECT_TRUE(same(source(scene).disparity, toSceneMaps(result).disparity));
+  }
+}
+
 /// The images are looked at by their size only: they have no pixels.
 TEST(MatchingSource, TellsNeedAndPresenceOfMemory) {
   const DisparitySource source =

@@ -101,6 +101,34 @@ TEST_F(ConversionTest, ThreadsChangeNothing) {
   EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
 }
 
+/// Of each frame alone, whatever was before: a near object in the middle of the recording.
+TEST_F(ConversionTest, AnAutomaticRangeIsThatOfTheFrame) {
+  const cv::Size size(160, 96);
+  const auto message = [&](int index) {
+    return makeMessages(renderPair(size, 3, index == 2 ? 40 : 8, 5), Rig{},
+                        ros::Time(100 + 0.1 * index));
+  };
+  {
+    rosbag::Bag bag(input_, rosbag::bagmode::Write);
+    for (int index = 0; index < 5; ++index) {
+      writeFrame(bag, message(index));
+    }
+  }
+  options_.matching.stereo.range.count = 0;
+  EXPECT_EQ(convert(options_).processed, 5U);
+  const auto found = disparities(output_);
+  ASSERT_EQ(found.size(), 5U);
+  for (int index = 0; index < 5; ++index) {
+    EXPECT_EQ(bytesOf(*found[index]), disparityLive(message(index))) << index;
+  }
+  EXPECT_GE(found[2]->max_disparity, 40);
+  EXPECT_LT(found[3]->max_disparity, 40);
+  options_.output = folder_.file("one.bag");
+  options_.matching.stereo.threads = 1;
+  convert(options_);
+  EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
+}
+
 TEST_F(ConversionTest, CountsWhatHasNoPartner) {
   const PairMessages late = recordedFrame(20);
   const PairMessages lone = recordedFrame(30);

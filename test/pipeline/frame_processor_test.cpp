@@ -83,7 +83,7 @@ TEST_F(Processor, TellsTheVerticalOffset) {
   EXPECT_EQ(frame.result.rectification.offset_px, frame.rectification.measurement.model.offset_px);
   EXPECT_GT(frame.rectification.age_s, 0);
   EXPECT_LT(frame.rectification.age_s, 60);
-  EXPECT_GT(frame.memory_mb, 0);
+  EXPECT_EQ(frame.result.memory_mb, requiredMemoryMb({251, 131}, options_));
 }
 
 TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
@@ -169,6 +169,63 @@ TEST_F(Processor, SourcesOfTheOffsetAgree) {
   EXPECT_EQ(cv::norm(processor_.match(pair, given).result.disparity, followed.disparity,
                      cv::NORM_INF),
             0);
+}
+
+TEST_F(Processor, FindsARangeThatIsAutomatic) {
+  const StereoInput input = misalignedPair();
+  const PreparedPair pair = processor_.prepare(input);
+  options_.range = {-16, 0};
+  processor_.setOptions(options_);
+  const DisparityRange own = processor_.rangeOf(pair);
+  EXPECT_EQ(own, RangeFinder().find(input.left, input.right, -16));
+  const ProcessedFrame frame = process(input);
+  EXPECT_EQ(frame.result.range, own);
+  EXPECT_TRUE(frame.range_is_automatic);
+  EXPECT_TRUE(frame.range_correction.empty());
+
+  StereoMatcher matcher(std::make_shared<const Forest>(makeForestFixture()), options_);
+  EXPECT_EQ(matcher.match(input.left, input.right).range, own);
+
+  options_.range = own;
+  processor_.setOptions(options_);
+  EXPECT_FALSE(process(input).range_is_automatic);
+}
+
+/// A pair's own range does not depend on earlier pairs; a followed one does.
+TEST_F(Processor, TakesTheRangeFromItsSource) {
+  options_.range.count = 0;
+  processor_.setOptions(options_);
+  const PreparedPair pair = processor_.prepare(misalignedPair());
+  PreparedPair flat = pair;
+  flat.images = {cv::Mat(131, 251, CV_8UC1, cv::Scalar(9)), cv::Mat(131, 251, CV_8UC1, cv::Scalar(9))};
+  FollowedRange followed;
+  const DisparityRange found = processor_.match(pair, offset_, followed).result.range;
+  EXPECT_EQ(processor_.match(flat, offset_).result.range.count, RangeFinder::kDefaultCount);
+  EXPECT_EQ(processor_.match(flat, offset_, followed).result.range, found);
+  EXPECT_EQ(processor_.match(pair, offset_).result.range, found);
+}
+
+/// As node and bags expect it of input that cannot be used.
+TEST_F(Processor, NamesTheImageWhoseSearchNeedsTooMuchMemory) {
+  options_.search.levels = 2;
+  options_.range.count = 120;
+  processor_.setOptions(options_);
+  StereoInput input = misalignedPair();
+  cv::randu(input.left, 0, 256);
+  const PreparedPair pair = processor_.prepare(input);
+  const double needed = processor_.match(pair, offset_).result.memory_mb;
+  const double expected = requiredMemoryMb({251, 131}, options_);
+  ASSERT_GT(std::floor(needed), expected) << "many disparities compete where nothing matches";
+  options_.max_memory_mb = static_cast<int>(std::ceil(expected));
+  processor_.setOptions(options_);
+  try {
+    processor_.match(pair, offset_);
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.fault(), InputFault::kMemory);
+    EXPECT_TRUE(mentions(error.what(), {"left.png: images of 251x131", "max_memory_mb allows"}));
+  }
+  EXPECT_NO_THROW(process()) << "the next pair needs less";
 }
 
 TEST_F(Processor, LooksAtTheMemoryAnewWhenTheSizeChanges) {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -12,6 +13,7 @@
 #include "support/random_forest.h"
 #include "support/random_images.h"
 
+#include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -42,13 +44,48 @@ struct Example {
   std::string forest;
   cv::Size size;
   int disparities;
+  int search_levels = 0;
 };
 
 StereoOptions optionsOf(const Example& example) {
   StereoOptions options;
   readPreset(CBMV_SOURCE_DIR "/config/" + example.preset + ".yaml", options);
   options.range = {0, example.disparities};
+  options.search.levels = example.search_levels;
   return options;
+}
+
+struct Pair {
+  cv::Mat left;
+  cv::Mat right;
+};
+
+/// The peak of a new matcher in MB, and that which it tells.
+struct Memory {
+  double measured = 0;
+  double told = 0;
+};
+
+Memory measureMemory(const Example& example, const Pair& pair) {
+  mallopt(M_MMAP_THRESHOLD, 1 << 16);  // what is freed goes back to the system at once
+  const StereoOptions options = optionsOf(example);
+  const auto forest =
+      std::make_shared<Forest>(readForest(CBMV_SOURCE_DIR "/models/" + example.forest + ".forest"));
+  // Loads the program's pages and starts the threads.
+  const cv::Rect small(0, 0, 60, 40);
+  StereoMatcher(forest, options).match(pair.left(small), pair.right(small));
+  malloc_trim(0);
+  if (!resetPeak()) {
+    return {};
+  }
+  const double before = memoryMb("VmRSS");
+  StereoMatcher matcher(forest, options);
+  Memory memory;
+  for (int frame = 0; frame < 2; ++frame) {
+    memory.told = matcher.match(pair.left, pair.right).memory_mb;
+  }
+  memory.measured = memoryMb("VmHWM") - before;
+  return memory;
 }
 
 class RequiredMemory : public testing::TestWithParam<Example> {};
@@ -56,29 +93,16 @@ class RequiredMemory : public testing::TestWithParam<Example> {};
 /// More than estimated would break the bound, much less would refuse what is possible.
 TEST_P(RequiredMemory, IsTheMeasuredPeak) {
   const Example& example = GetParam();
-  mallopt(M_MMAP_THRESHOLD, 1 << 16);  // what is freed goes back to the system at once
-  const StereoOptions options = optionsOf(example);
-  const auto forest =
-      std::make_shared<Forest>(readForest(CBMV_SOURCE_DIR "/models/" + example.forest + ".forest"));
-  const cv::Mat left = makeGrey(example.size, Content::kPatches, 1);
-  const cv::Mat right = makeGrey(example.size, Content::kPatches, 2);
-  // Loads the program's pages and starts the threads.
-  StereoMatcher(forest, options).match(left(cv::Rect(0, 0, 60, 40)), right(cv::Rect(0, 0, 60, 40)));
-  malloc_trim(0);
-  if (!resetPeak()) {
+  const Memory memory = measureMemory(example, {makeGrey(example.size, Content::kPatches, 1),
+                                                makeGrey(example.size, Content::kPatches, 2)});
+  if (memory.measured == 0) {
     GTEST_SKIP() << "this system does not let a process reset its peak memory";
   }
-  const double before = memoryMb("VmRSS");
-  StereoMatcher matcher(forest, options);
-  for (int frame = 0; frame < 2; ++frame) {
-    matcher.match(left, right);
-  }
-  const double measured = memoryMb("VmHWM") - before;
-  const double required = requiredMemoryMb(example.size, options);
-  RecordProperty("measured_mb", std::to_string(measured));
-  RecordProperty("required_mb", std::to_string(required));
-  EXPECT_LT(required, 1.15 * measured);
-  EXPECT_GT(required, measured / 1.05);
+  RecordProperty("measured_mb", std::to_string(memory.measured));
+  RecordProperty("required_mb", std::to_string(memory.told));
+  EXPECT_EQ(memory.told, requiredMemoryMb(example.size, optionsOf(example)));
+  EXPECT_LT(memory.told, 1.15 * memory.measured);
+  EXPECT_GT(memory.told, memory.measured / 1.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, RequiredMemory,
@@ -93,6 +117,63 @@ INSTANTIATE_TEST_SUITE_P(Examples, RequiredMemory,
                                   std::to_string(info.param.size.height) + "x" +
                                   std::to_string(info.param.disparities);
                          });
+
+class SearchMemory : public testing::TestWithParam<Example> {};
+
+/// Of the lists of the pair; what is expected of all pairs is more.
+TEST_P(SearchMemory, IsTheMeasuredPeak) {
+  const Example& example = GetParam();
+  const RenderedScene scene = renderScene(example.size.width, example.size.height, 3);
+  const Memory memory = measureMemory(example, {scene.left, scene.right});
+  if (memory.measured == 0) {
+    GTEST_SKIP() << "this system does not let a process reset its peak memory";
+  }
+  RecordProperty("measured_mb", std::to_string(memory.measured));
+  RecordProperty("required_mb", std::to_string(memory.told));
+  EXPECT_LT(memory.told, 1.25 * memory.measured);
+  EXPECT_GT(memory.told, memory.measured / 1.05);
+  EXPECT_GT(requiredMemoryMb(example.size, optionsOf(example)), memory.told);
+  Example exhaustive = example;
+  exhaustive.search_levels = 0;
+  EXPECT_LT(memory.told, 0.7 * requiredMemoryMb(example.size, optionsOf(exhaustive)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, SearchMemory,
+                         testing::Values(Example{"quality", "middlebury", {640, 320}, 64, 3},
+                                         Example{"quality", "middlebury", {900, 300}, 228, 3},
+                                         Example{"realtime", "middlebury_small", {640, 320}, 64, 3},
+                                         Example{"realtime", "middlebury_small", {900, 300}, 228, 3},
+                                         Example{"balanced", "middlebury_small", {640, 320}, 100, 2}),
+                         [](const auto& info) {
+                           return info.param.preset + std::to_string(info.param.size.width) + "x" +
+                                  std::to_string(info.param.disparities);
+                         });
+
+TEST(SearchMemoryMb, CountsEveryLevelsHypotheses) {
+  StereoOptions options;
+  options.range = {0, 100};
+  options.search.levels = 2;
+  options.refinement.optimize_right_view = false;
+  std::vector<double> hypotheses = expectedHypotheses({1000, 800}, options);
+  ASSERT_EQ(hypotheses.size(), 3U);
+  EXPECT_EQ(hypotheses[0], 800e3 * kListedDisparities);
+  EXPECT_EQ(hypotheses[2], 50e3 * 25);
+  const double before = searchMemoryMb({1000, 800}, options, hypotheses);
+  EXPECT_EQ(before, requiredMemoryMb({1000, 800}, options));
+  hypotheses[1] += 1e6;
+  const double more = searchMemoryMb({1000, 800}, options, hypotheses) - before;
+  EXPECT_GT(more, 5e6 / (1 << 20));
+  EXPECT_LT(more, 7e6 / (1 << 20));
+}
+
+TEST(SearchMemoryMb, GrowsLittleWithTheRange) {
+  StereoOptions options;
+  options.search.levels = 3;
+  options.range = {0, 64};
+  const double narrow = requiredMemoryMb({1242, 375}, options);
+  options.range = {0, 256};
+  EXPECT_LT(requiredMemoryMb({1242, 375}, options), 1.25 * narrow);
+}
 
 TEST(RequiredMemoryMb, OfOneVolumeMoreWithMoreThanOneStep) {
   StereoOptions options;

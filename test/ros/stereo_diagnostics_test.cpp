@@ -38,7 +38,7 @@ ProcessedFrame makeFrame(double offset_px = 0) {
   frame.geometry.focal_length_px = 700;
   frame.geometry.baseline_m = 0.12;
   frame.result.times = {1, 20, 30, 40, 5, 96};
-  frame.memory_mb = 123;
+  frame.result.memory_mb = 123;
   frame.rectification.is_watched = true;
   frame.rectification.age_s = 0.5;
   VerticalOffsetMeasurement& measurement = frame.rectification.measurement;
@@ -94,6 +94,18 @@ TEST_F(Diagnostics, NameParametersThatWereNotTaken) {
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "none");
   diagnostics_.parametersDiffer("P1 is nan");
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "P1 is nan");
+}
+
+TEST_F(Diagnostics, TellTheDisparitiesThatAreSearched) {
+  ProcessedFrame frame = makeFrame();
+  frame.result.range = {-4, 80};
+  diagnostics_.processed(frame, at(1));
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values["disparities"],
+            "-4 ... 75 px");
+  frame.range_is_automatic = true;
+  diagnostics_.processed(frame, at(2));
+  EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 2).values["disparities"],
+            "-4 ... 75 px, found in the images");
 }
 
 TEST_F(Diagnostics, RatesAreThoseOfTheStream) {
@@ -200,6 +212,7 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
                                                        {"aggregation (ms)", "30.0"},
                                                        {"sgm (ms)", "40.0"},
                                                        {"refinement (ms)", "5.0"},
+                                                       {"disparities", "0 ... 63 px"},
                                                        {"memory (MB)", "123"},
                                                        {"parameters that were not taken", "none"}};
   EXPECT_EQ(method.values, expected);

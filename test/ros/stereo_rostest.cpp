@@ -550,6 +550,18 @@ TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
   expectAlive();
 }
 
+/// The first pair of a size is measured; what is published has the range that was searched.
+TEST_F(StereoTopics, AnAutomaticRangeIsFound) {
+  StereoOptions options = testOptions();
+  options.range.count = 0;
+  options_ = client_.setOptions(options);
+  EXPECT_TRUE(options_.range.isAutomatic());
+  const StereoResult expected = expectedResult(pair_, options_);
+  EXPECT_GT(expected.range.max(), kNearPx);
+  EXPECT_LT(expected.range.max(), 4 * kNearPx);
+  expectOutputsOf(expected);
+}
+
 TEST_F(StereoTopics, FramesThatNeedTooMuchMemoryAreDropped) {
   StereoOptions options = testOptions();
   options.max_memory_mb = 1;

@@ -22,6 +22,7 @@
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/search/range_finder.h"
 
 namespace cbmv::test {
 namespace {
@@ -52,6 +53,27 @@ TEST_F(ToolsTest, MatchWritesDisparityAndConfidence) {
   EXPECT_LT(evaluateDisparity(disparity, scene_.truth, scene_.visible, -1).bad_1, 4.0);
   for (const char* name : {"out/deep/disparity.png", "out/deep/confidence.png"}) {
     EXPECT_EQ(readColorImage(path(name)).size(), scene_.left.size());
+  }
+}
+
+/// By the command line, a preset, and a calibration that tells no range.
+TEST_F(ToolsTest, MatchFindsTheRange) {
+  std::ofstream(path("calib.txt")) << "cam0=[200 0 80; 0 200 50; 0 0 1]\n"
+                                      "cam1=[200 0 80; 0 200 50; 0 0 1]\n"
+                                      "doffs=0\nbaseline=100\nwidth=160\nheight=100\nndisp=160\n";
+  const std::string preset = folder_.write("auto.yaml", "disparity_range: 0\n");
+  const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                           " --output " + path("out") + " ";
+  const auto found = RangeFinder().find(scene_.left, scene_.right, 0);
+  ASSERT_TRUE(found);
+  ASSERT_NE(found->count, StereoOptions().range.count);
+  ASSERT_EQ(run("cbmv_match", pair + "--disparities " + std::to_string(found->count)).status, 0);
+  const std::string expected = contentOf(path("out/disparity.pfm"));
+  for (const std::string& how : {std::string("--disparities auto"), "--preset " + preset,
+                                 "--calibration " + path("calib.txt")}) {
+    const Outcome outcome = run("cbmv_match", pair + how);
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(contentOf(path("out/disparity.pfm")) == expected) << how;
   }
 }
 
@@ -248,8 +270,8 @@ TEST_F(ToolsTest, TellTheBoundsOfNumbers) {
   const std::string match = "left right --forest f --output o ";
   const std::string tune = "--dataset d --forest f --output o ";
   for (const auto& [tool, arguments, message] : std::vector<std::array<std::string, 3>>{
-           {"cbmv_match", match + "--disparities 0",
-            "--disparities: is \"0\", expected a whole number from 1 to 4096"},
+           {"cbmv_match", match + "--disparities none",
+            "--disparities: is \"none\", expected auto or a whole number from 1 to 4096"},
            {"cbmv_match", match + "--threads 1.5",
             "\"1.5\", expected a whole number from 0 to 1024"},
            {"cbmv_tune", tune + "--evaluations 0", "is \"0\", expected a whole number from 1 to 1"},

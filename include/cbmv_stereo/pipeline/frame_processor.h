@@ -34,7 +34,6 @@ struct ProcessedFrame {
   StereoResult result;
   bool range_is_automatic = false;  ///< result.range was found in the images
   double disparity_step_px = 0;  ///< see disparityStep
-  double memory_mb = 0;          ///< that the method holds for images of that size
   RectificationState rectification;
   std::vector<std::string> warnings;  ///< of input and calibration
   std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
@@ -106,7 +105,6 @@ class FrameProcessor {
   std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
   DisparityRange adapted_range_;          ///< before it is clipped
   std::string range_correction_;
-  double memory_mb_ = 0;
   std::atomic<float> min_confidence_{0};
 
   mutable std::mutex options_mutex_;  ///< of the next two

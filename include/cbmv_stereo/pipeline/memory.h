@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -23,10 +24,34 @@ namespace cbmv {
 ///   paths     4 W D             of semi-global matching
 ///   surfaces  about W H (D / 8) (1 + 2 v) + 30 W H, with surface_prior
 ///   sums      of one tile of cost aggregation for each thread
+///
+/// With a coarse-to-fine search it depends on the pair, and this is searchMemoryMb of what is
+/// expected (expectedHypotheses).
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options);
+
+/// Disparities that are listed for a pixel by a coarse-to-fine search, at every level but the
+/// coarsest, as a bound that real pairs hardly exceed: of 101 pairs (Middlebury v3, KITTI 2012,
+/// RealSense) with the default neighborhood and margin, the lists have 8 to 25.6 entries at full
+/// size, in the median 14.
+constexpr double kListedDisparities = 26;
+
+/// Hypotheses that a coarse-to-fine search is expected to match at each level, the full size first:
+/// all at the coarsest level, kListedDisparities a pixel at the others. More where the parameters of
+/// the search make longer lists.
+std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoOptions& options);
+
+/// Memory in MB (2^20 bytes) of a coarse-to-fine search that matches so many hypotheses at each
+/// level, the full size first. The volumes take 1 + 2 v bytes of each, as in requiredMemoryMb, and 1
+/// more if the right view is optimized; every level has the maps and rows of requiredMemoryMb.
+double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
+                      const std::vector<double>& hypotheses);
 
 /// One sentence if more than options.max_memory_mb is required, with both numbers and what would
 /// help; empty if the memory suffices or is not bounded.
 std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options);
+
+/// The same for the hypotheses of a pair, when its lists are known.
+std::string searchMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
+                                const std::vector<double>& hypotheses);
 
 }  // namespace cbmv

@@ -28,8 +28,9 @@ class PyramidMatcher {
   PyramidMatcher(const PyramidMatcher&) = delete;
   PyramidMatcher& operator=(const PyramidMatcher&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1. Sets all maps and the range of `result` and
-  /// adds to its times. Parallel by oneTBB; the result depends neither on earlier pairs nor on the
+  /// `left` and `right` are the aligned pair, CV_8UC1. Sets all maps, range and memory of `result` and
+  /// adds to its times. Throws InputError if the pair needs more than options.max_memory_mb, which is
+  /// known when its search space is, before the volumes are there. Parallel by oneTBB; the result depends neither on earlier pairs nor on the
   /// number of threads.
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result);

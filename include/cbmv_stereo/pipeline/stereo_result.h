@@ -27,6 +27,8 @@ struct StereoResult {
   /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen
   /// is correct; halved where the left-right check failed, and 0 where there is no disparity.
   cv::Mat confidence;
+  /// That the matcher needs for this pair, MB of 2^20 bytes (memory.h).
+  double memory_mb = 0;
   VerticalOffset rectification;  ///< the model that was removed before matching
   StageTimes times;
 };

@@ -20,7 +20,7 @@ namespace cbmv {
 /// groups are taken for outliers. A quarter of the found range is added, for what is nearer but not
 /// seen by both cameras, and for what the coarse image does not show.
 ///
-/// Checked on 134 scenes (Middlebury, KITTI, RealSense): docs/method.md.
+/// Checked on 137 scenes (Middlebury, KITTI, RealSense): docs/method.md.
 class RangeFinder {
  public:
   static constexpr int kSmallestObjectPx = 32;
@@ -49,7 +49,7 @@ class RangeFinder {
   bool isObject(const Pixel& seed);
 
   MutualMatcher matcher_{80};
-  cv::Mat left_, right_, half_;
+  std::vector<cv::Mat> left_halves_, right_halves_;
   cv::Mat_<std::int16_t> matches_;
   std::vector<int> places_;    ///< in sorted_, of each disparity
   std::vector<Pixel> sorted_;  ///< those that have a match, the largest disparity last

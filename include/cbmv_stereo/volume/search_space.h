@@ -92,10 +92,16 @@ class SearchSpace {
 template <typename Cost>
 class WindowedVolume {
  public:
-  /// Contents are unspecified afterwards. Keeps the memory when the new volume fits.
+  /// Contents are unspecified afterwards. Keeps the memory when the new volume fits; else takes an
+  /// eighth more than it needs, as the next volumes of a stream may be a little larger.
   void resize(const SearchSpace& space) {
     entries_ = space.entries();
-    costs_.resize(entries_ * kTileColumns + kReadableBytesBeyond / sizeof(Cost));
+    const std::size_t costs = entries_ * kTileColumns + kReadableBytesBeyond / sizeof(Cost);
+    if (costs > costs_.capacity()) {
+      costs_ = {};  // first, so that both are never held at once
+      costs_.reserve(costs + costs / 8);
+    }
+    costs_.resize(costs);
   }
   std::size_t entries() const { return entries_; }
   Cost* entry(std::size_t number) { return costs_.data() + number * kTileColumns; }
