@@ -111,7 +111,7 @@ double bytesOfLists(const Problem& problem, double hypotheses) {
 
 /// Mutual matches and windows, steps of semi-global matching, and the level before.
 double bytesOfSearchMaps(const Problem& problem) {
-  const double matches = 2 + 2 * (1 + 8);
+  const double matches = 2 + 2 * 1;
   const double windows = 1.5 * problem.disparities / 8 / kTileColumns;
   const double steps = 2 * (1 + problem.disparities / problem.width);
   const double surfaces = ifSet(problem.options.surface.enabled, 2 + 2 + 2 + 4.0 / 4);

@@ -96,7 +96,7 @@ void addMatchingParameters(ParameterTable& table) {
       "Number of disparities that are tested, from min_disparity on; 0: found in the images");
   table.add(
       "max_memory_mb", "MB", 0, 100000, [](Options& o) -> int& { return o.max_memory_mb; },
-      "Memory that a pair may take; larger images or ranges are refused; 0: no bound");
+      "Memory that a pair may need; pairs that need more are rejected; 0: no bound");
   table.add(
       "search_levels", "", 0, 6, [](Options& o) -> int& { return o.search.levels; },
       "Coarse-to-fine search: how often the pair is halved; only the smallest one is searched "

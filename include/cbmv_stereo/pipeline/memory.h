@@ -29,11 +29,10 @@ namespace cbmv {
 /// expected (expectedHypotheses).
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options);
 
-/// Disparities that are listed for a pixel by a coarse-to-fine search, at every level but the
-/// coarsest, as a bound that real pairs hardly exceed: of 101 pairs (Middlebury v3, KITTI 2012,
-/// RealSense) with the default neighborhood and margin, the lists have 8 to 25.6 entries at full
-/// size, in the median 14.
-constexpr double kListedDisparities = 26;
+/// Disparities that a coarse-to-fine search is expected to list for a pixel, at every level but the
+/// coarsest. Measured on 101 pairs (Middlebury v3, KITTI 2012, RealSense) with the default
+/// neighborhood and margin: 8 to 26 at full size, 14 in the median; fewer at the levels below.
+constexpr double kListedDisparities = 16;
 
 /// Hypotheses that a coarse-to-fine search is expected to match at each level, the full size first:
 /// all at the coarsest level, kListedDisparities a pixel at the others. More where the parameters of
@@ -46,7 +45,7 @@ std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoO
 double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
                       const std::vector<double>& hypotheses);
 
-/// One sentence if more than options.max_memory_mb is required, with both numbers and what would
+/// One sentence if requiredMemoryMb is more than options.max_memory_mb, with both numbers and what would
 /// help; empty if the memory suffices or is not bounded.
 std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options);
 

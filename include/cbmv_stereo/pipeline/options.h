@@ -20,7 +20,7 @@ struct StereoOptions {
   SurfaceOptions surface;
   SgmOptions sgm;
   RefinementOptions refinement;
-  int max_memory_mb = 0;  ///< of requiredMemoryMb; images that need more are refused; 0: no bound
+  int max_memory_mb = 0;  ///< that a pair may need (memory.h); others are rejected; 0: no bound
   int threads = 0;        ///< 0: as many as the machine has
 };
 
