@@ -69,6 +69,7 @@ void RowEntries::countEntries(const SearchSpace& space, int y) {
 
 void RowEntries::placeEntries(const SearchSpace& space, int y) {
   const int width = space.width();
+  const DisparityRange range = space.range();
   const std::size_t first_entry = space.tile(y, 0).first_entry;
   Entry* entries = entries_.data();
   int* next_places = ends_.data();
@@ -76,13 +77,13 @@ void RowEntries::placeEntries(const SearchSpace& space, int y) {
   for (int t = 0; t < space.tiles(); ++t) {
     const SearchSpace::Tile tile = space.tile(y, t);
     const ColumnSpan columns = columnsOfTile(t, width);
-    const ListPart part = matchedPart(tile, columns, width, space.range());
+    const ListPart part = matchedPart(tile, columns, width, range);
     const auto number = static_cast<std::int32_t>(tile.first_entry - first_entry);
     for (int k = 0; k < part.begin; ++k) {
       outside_.push_back(number + k);
     }
     for (int k = part.begin; k < part.end; ++k) {
-      const int right_column = columns.begin - space.range().min - tile.indices[k];
+      const int right_column = columns.begin - range.min - tile.indices[k];
       entries[next_places[tile.indices[k]]++] = {
           columns.begin, right_column, number + k,
           static_cast<std::int16_t>(std::max(0, -right_column)),
@@ -96,18 +97,18 @@ void RowEntries::placeEntries(const SearchSpace& space, int y) {
 
 void RowEntries::findRuns() {
   runs_.clear();
-  const Entry* previous = nullptr;
-  for (const Entry& entry : entries_) {
-    const std::ptrdiff_t place = &entry - entries_.data();
-    const bool goes_on = previous != nullptr && entry.column == previous->column + kTileColumns &&
-                         entry.right_column == previous->right_column + kTileColumns;
-    if (!goes_on) {
-      runs_.push_back({{entry.column + entry.begin, 0},
-                       place * kTileColumns - entry.column,
-                       entry.column - entry.right_column});
+  const Entry* const first = entries_.data();
+  const Entry* const end = first + entries_.size();
+  for (const Entry* entry = first; entry != end;) {
+    const Entry* last = entry;
+    while (last + 1 != end && last[1].column == last->column + kTileColumns &&
+           last[1].right_column == last->right_column + kTileColumns) {
+      ++last;
     }
-    runs_.back().span.end = entry.column + entry.end;
-    previous = &entry;
+    runs_.push_back({{entry->column + entry->begin, last->column + last->end},
+                     (entry - first) * kTileColumns - entry->column,
+                     entry->column - entry->right_column});
+    entry = last + 1;
   }
 }
 

@@ -21,8 +21,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Words = hn::CappedTag<std::uint16_t, kTileColumns>;
 
-/// Finds the cheapest entry of every column of a tile: `lowest` and `winners` of kTileColumns values.
-/// Entries of `inside` are compared whole, the others column by column by the caller.
+/// Finds the cheapest entry of every column of a tile: `lowest` and `winners` of kTileColumns
+/// values. Entries of `inside` are compared whole, the others column by column by the caller.
 void findTileWinners(const std::uint16_t* costs, const std::int16_t* indices, int count,
                      std::uint16_t* lowest, std::uint16_t* winners) {
   const Words tag;
@@ -34,8 +34,8 @@ void findTileWinners(const std::uint16_t* costs, const std::int16_t* indices, in
       const auto cost = hn::LoadU(tag, costs + k * kTileColumns + c);
       const auto is_better = hn::Lt(cost, best);
       best = hn::Min(best, cost);
-      winner = hn::IfThenElse(is_better, hn::Set(tag, static_cast<std::uint16_t>(indices[k])),
-                              winner);
+      winner =
+          hn::IfThenElse(is_better, hn::Set(tag, static_cast<std::uint16_t>(indices[k])), winner);
     }
     hn::StoreU(best, tag, lowest + c);
     hn::StoreU(winner, tag, winners + c);
@@ -61,14 +61,24 @@ void lowerRight(const std::uint16_t* costs, std::uint16_t index, std::uint16_t* 
 }
 
 /// The winners of the right pixels of a row, from the entries of its tiles whose columns all have
-/// their match inside.
+/// their match inside. Goes from tile to tile, to every other one: the entries of a tile overlap,
+/// and a vector that is read where others were just written waits for these to reach the cache.
 void lowerRightRow(const TileEntries* tiles, int count, int first_disparity, std::uint16_t* lowest,
                    std::uint16_t* winners) {
-  for (int t = 0; t < count; ++t) {
-    for (int k = tiles[t].begin; k < tiles[t].end; ++k) {
-      const int shift = t * kTileColumns - first_disparity - tiles[t].indices[k];
-      lowerRight(tiles[t].costs + static_cast<std::ptrdiff_t>(k) * kTileColumns,
-                 static_cast<std::uint16_t>(tiles[t].indices[k]), lowest + shift, winners + shift);
+  for (const int first_tile : {0, 1}) {
+    bool any = true;
+    for (int n = 0; any; ++n) {
+      any = false;
+      for (int t = first_tile; t < count; t += 2) {
+        const int k = tiles[t].begin + n;
+        if (k < tiles[t].end) {
+          any = true;
+          const int shift = t * kTileColumns - first_disparity - tiles[t].indices[k];
+          lowerRight(tiles[t].costs + static_cast<std::ptrdiff_t>(k) * kTileColumns,
+                     static_cast<std::uint16_t>(tiles[t].indices[k]), lowest + shift,
+                     winners + shift);
+        }
+      }
     }
   }
 }
@@ -164,8 +174,7 @@ void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& co
     for (int t = 0; t < space.tiles(); ++t) {
       const SearchSpace::Tile tile = space.tile(y, t);
       const int first = t * kTileColumns;
-      const TileWinners found =
-          winnersOf(space, tile, costs.entry(tile.first_entry), view, first);
+      const TileWinners found = winnersOf(space, tile, costs.entry(tile.first_entry), view, first);
       const int columns = std::min(kTileColumns, space.width() - first);
       for (int c = 0; c < columns; ++c) {
         out[first + c] = disparityOf(found.winners[c], space.range());
