@@ -234,6 +234,7 @@ class RowPath {
     hn::Store(costs, tag, front_.costs(i));
   }
 
+#if !HWY_HAVE_SCALABLE
   /// Extends the path by the i-th pixel of a tile that fits one vector.
   template <bool kAdd, class D, class Lanes = hn::Vec<D>>
   HWY_INLINE void extendVector(D tag, int i, Lanes blocked, Lanes& costs, Lanes& lowest) {
@@ -245,8 +246,9 @@ class RowPath {
     costs = extendLanes<kAdd>(tag, i, 0, penalties(i), blocked, costs, beside, lowest);
     lowest = lowestOfLanes(tag, costs);
   }
+#endif
 
-  /// The same for any tile.
+  /// Extends the path by the i-th pixel of any tile.
   template <bool kAdd>
   HWY_INLINE void extend(int i, V& lowest) {
     const Tag tag;
@@ -405,6 +407,7 @@ HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& 
   finish(d, columns[3]);
 }
 
+#if !HWY_HAVE_SCALABLE
 /// The second and later pixels of tiles that fit one vector.
 template <bool kAdd, class D>
 HWY_INLINE void walkVectors(D tag, const std::array<int, 4>& columns, RowPath& a, RowPath& b,
@@ -435,6 +438,7 @@ HWY_INLINE void walkVectors(D tag, const std::array<int, 4>& columns, RowPath& a
   c.setLowest(lowest_c);
   d.setLowest(lowest_d);
 }
+#endif
 
 /// The same of any tiles.
 template <bool kAdd>

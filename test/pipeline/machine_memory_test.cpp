@@ -73,6 +73,7 @@ TEST(MachineMemoryMb, IsSome) {
 
 TEST(MachineMemoryRefusal, TellsNeedAndPresence) {
   StereoOptions options;
+  options.search.levels = 0;
   options.range.count = 256;
   const cv::Size size(2000, 1000);
   EXPECT_EQ(machineMemoryRefusal(size, options, requiredMemoryMb(size, options)), "");

@@ -177,6 +177,7 @@ TEST(SearchMemoryMb, GrowsLittleWithTheRange) {
 
 TEST(RequiredMemoryMb, OfOneVolumeMoreWithMoreThanOneStep) {
   StereoOptions options;
+  options.search.levels = 0;
   options.range = {0, 100};
   options.aggregation.iterations_after = 0;
   options.surface.enabled = false;
