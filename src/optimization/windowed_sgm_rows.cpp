@@ -308,7 +308,7 @@ class RowPath {
                                Lanes blocked, Lanes along, Lanes beside, Lanes lowest) {
     const auto values = hn::Load(tag, matching_ + i * stride_ + lane);
     const auto edges = hn::TestBit(values, hn::Set(tag, edge_bit_));
-    const auto penalty = [=](int first) HWY_ATTR {
+    const auto penalty = [&](int first) HWY_ATTR {  // a vector cannot be a member
       return hn::IfThenElse(edges, hn::Load(tag, penalties + (first + 1) * kMostLanes),
                             hn::Load(tag, penalties + first * kMostLanes));
     };
