@@ -66,6 +66,9 @@ class PyramidMatcher::Impl {
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result) {
     const int coarser = searchLevels(left.size(), options);
+    coarser_ = coarser;
+    left_ = left;
+    right_ = right;
     while (static_cast<int>(levels_.size()) < coarser) {
       levels_.emplace_back();
     }
@@ -96,6 +99,16 @@ class PyramidMatcher::Impl {
     }
     matchLevel(left, right, options.range, before, options, forest, evaluator, finest_, result);
     result.memory_mb = searchMemoryMb(full_size_, options, hypotheses_);
+  }
+
+  int levels() const { return coarser_ + 1; }
+
+  SearchLevel level(int i) const {
+    if (i == 0) {
+      return {left_, right_, finest_.space};
+    }
+    const Level& level = levels_[i - 1];
+    return {level.left, level.right, level.stages.space};
   }
 
  private:
@@ -169,13 +182,15 @@ class PyramidMatcher::Impl {
     copyMatches(coarse, stages.matched);
     stages.prior.estimate(stages.matched, invalid, reach_px, size, stages.surfaces.left);
     if (options.refinement.left_right_check && options.refinement.optimize_right_view) {
-      stages.prior.estimate(coarse.right_disparity, invalid, reach_px, size,
-                            stages.surfaces.right);
+      stages.prior.estimate(coarse.right_disparity, invalid, reach_px, size, stages.surfaces.right);
     }
   }
 
   cv::Size full_size_;
   std::vector<double> hypotheses_;  ///< of each level, the full size first; expected until known
+  cv::Mat left_;                    ///< the pair matched last
+  cv::Mat right_;
+  int coarser_ = 0;           ///< levels of it below the full size
   std::deque<Level> levels_;  ///< half the size first
   Stages finest_;
 };
@@ -188,5 +203,9 @@ void PyramidMatcher::match(const cv::Mat& left, const cv::Mat& right, const Ster
                            StereoResult& result) {
   impl_->match(left, right, options, forest, evaluator, result);
 }
+
+int PyramidMatcher::levels() const { return impl_->levels(); }
+
+SearchLevel PyramidMatcher::level(int i) const { return impl_->level(i); }
 
 }  // namespace cbmv

@@ -42,13 +42,25 @@ inline void addSceneOptions(CLI::App& app, SceneFilter& filter) {
 
 inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
   app.add_option("--pixels-per-scene", options.pixels_per_scene,
-                 "Pixels drawn from each scene for training; each gives up to three samples")
+                 "Pixels drawn from each level of each scene for training; each gives up to three "
+                 "samples")
       ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
                  "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
                  "sample (random forest: 1800)")
       ->check(wholeNumber(1, 1000000000000))
+      ->capture_default_str();
+  options.search.levels = 3;  // as the presets have it
+  app.add_option("--search-levels", options.search.levels,
+                 "Levels of the coarse-to-fine search that the forest is made for; 0: exhaustive "
+                 "search alone")
+      ->check(wholeNumber(0, 8))
+      ->capture_default_str();
+  app.add_option("--windowed-share", options.windowed_share,
+                 "Part of the pixels whose competitors are those of the search's windows, 0 to 1; "
+                 "the others have the whole range")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
   const std::map<std::string, ForestKind> kinds = {{"oblivious", ForestKind::kOblivious},

@@ -1,11 +1,16 @@
 #include "cbmv_stereo/training/forest_training.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <sstream>
+#include <utility>
 
 #include "training_checks.h"
 
+#include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/pipeline/machine_memory.h"
+#include "cbmv_stereo/pipeline/pyramid_matcher.h"
 #include "cbmv_stereo/training/held_out_measures.h"
 
 namespace cbmv {
@@ -21,6 +26,83 @@ TrainingPair preparePair(const StereoScene& scene, const RectificationOptions& o
     right = alignRightRows(right, estimateVerticalOffset(scene.left, right, range, options));
   }
   return {scene.left, right, scene.truth, scene.visible, range};
+}
+
+/// Samples of the whole range at full size, for the forest that finds the windows.
+Samples drawFirstSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                         long pixels, const TrainingProgress& progress) {
+  Samples samples;
+  const auto total = static_cast<int>(scenes.size());
+  for (int done = 0; done < total;) {
+    appendSamples(preparePair(scenes[done].read(), options.rectification), pixels,
+                  options.seed + done, samples);
+    progress({"first sampling", ++done, total, ""});
+  }
+  return samples;
+}
+
+/// Draws the samples of a pair from every level of a search.
+class LevelSampler {
+ public:
+  /// `first`: finds the windows; null: none are wanted.
+  LevelSampler(const TrainingOptions& options, std::unique_ptr<const Forest> first)
+      : options_(options), first_(std::move(first)) {
+    matching_.search = options.search;
+    if (first_ != nullptr) {
+      evaluator_ = std::make_unique<ForestEvaluator>(*first_);
+    }
+  }
+
+  void append(TrainingPair pair, long pixels, std::uint64_t seed, Samples& samples) {
+    matching_.range = pair.range;
+    const int levels = searchLevels(pair.left.size(), matching_) + 1;
+    if (first_ != nullptr) {
+      pyramid_.match(pair.left, pair.right, matching_, *first_, *evaluator_, result_);
+    }
+    const long windowed =
+        first_ == nullptr ? 0 : std::lround(options_.windowed_share * static_cast<double>(pixels));
+    HeldOutBand band(pair.left.rows, seed);
+    for (int level = 0; level < levels; ++level) {
+      const std::uint64_t own_seed = seed + kSeedsPerLevel * level;
+      if (level > 0) {
+        pair = halvePair(pair);
+        band = band.halved();
+      }
+      if (windowed < pixels) {
+        whole_.buildExhaustive(pair.left.rows, pair.left.cols, pair.range);
+        appendSamples(pair, whole_, band, pixels - windowed, own_seed, samples);
+      }
+      if (windowed > 0) {
+        appendSamples(pair, pyramid_.level(level).space, band, windowed,
+                      own_seed + kSeedsPerLevel / 2, samples);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint64_t kSeedsPerLevel = std::uint64_t{1} << 32;  // scenes have the rest
+
+  const TrainingOptions& options_;
+  std::unique_ptr<const Forest> first_;
+  std::unique_ptr<const ForestEvaluator> evaluator_;
+  StereoOptions matching_;
+  PyramidMatcher pyramid_;
+  StereoResult result_;
+  SearchSpace whole_;
+};
+
+/// Null where no windows are wanted.
+std::unique_ptr<const Forest> trainFirstForest(const std::vector<SceneReference>& scenes,
+                                               const TrainingOptions& options, long pixels,
+                                               const TrainingProgress& progress) {
+  if (options.search.levels == 0 || options.windowed_share == 0.0) {
+    return nullptr;
+  }
+  const long few = std::max(pixels / 4, 1L);
+  return std::make_unique<const Forest>(trainForest(
+      drawFirstSamples(scenes, options, few, progress), options.boosting, [&](int tree, double) {
+        progress({"first forest", tree, options.boosting.trees, ""});
+      }));
 }
 
 /// Growing while scenes come would take twice the memory.
@@ -92,6 +174,11 @@ std::string describe(const TrainingOptions& options) {
   } else {
     describeTo(text, options.random_forest);
   }
+  if (options.search.levels > 0) {
+    text << ", search levels " << options.search.levels << ", neighborhood "
+         << options.search.neighborhood_px << ", margin " << options.search.margin_px
+         << ", windowed share " << options.windowed_share;
+  }
   text << ", pixels per scene " << options.pixels_per_scene << ", samples at most "
        << options.max_samples << ", rectification refinement "
        << (options.rectification.enabled ? "on" : "off");
@@ -99,9 +186,10 @@ std::string describe(const TrainingOptions& options) {
 }
 
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options) {
-  const long share = options.max_samples / static_cast<long>(kSamplesPerPixel * scenes);
-  requireForTraining(share > 0, "the samples must be at least " +
-                                    std::to_string(kSamplesPerPixel * scenes) + " for " +
+  const std::size_t least = kSamplesPerPixel * (options.search.levels + 1) * scenes;
+  const long share = options.max_samples / static_cast<long>(least);
+  requireForTraining(share > 0, "the samples must be at least " + std::to_string(least) + " for " +
+                                    std::to_string(options.search.levels + 1) + " levels of " +
                                     std::to_string(scenes) + " scenes");
   return std::min(options.pixels_per_scene, share);
 }
@@ -109,22 +197,26 @@ long pixelsPerScene(std::size_t scenes, const TrainingOptions& options) {
 Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                     const TrainingProgress& progress) {
   const long pixels = pixelsPerScene(scenes.size(), options);
+  requireForTraining(options.windowed_share >= 0.0 && options.windowed_share <= 1.0,
+                     "the windowed share must be from 0 to 1");
   const auto total = static_cast<int>(scenes.size());
   int done = 0;
   for (const SceneReference& scene : scenes) {
     scene.read();  // refuses before hours are spent
     progress({"reading", ++done, total, ""});
   }
+  LevelSampler sampler(options, trainFirstForest(scenes, options, pixels, progress));
   Samples samples;
-  const std::size_t count = kSamplesPerPixel * static_cast<std::size_t>(pixels) * scenes.size();
+  const std::size_t count = kSamplesPerPixel * (options.search.levels + 1) *
+                            static_cast<std::size_t>(pixels) * scenes.size();
   requireMachineMemory(static_cast<double>(count) * kBytesPerSample / (1 << 20),
                        std::to_string(count) + " samples",
                        "lower --max-samples or --pixels-per-scene");
   reserve(samples, count);
   for (done = 0; done < total;) {
     const SceneReference& scene = scenes[done];
-    appendSamples(preparePair(scene.read(), options.rectification), pixels, options.seed + done,
-                  samples);
+    sampler.append(preparePair(scene.read(), options.rectification), pixels, options.seed + done,
+                   samples);
     progress(
         {"sampling", ++done, total,
          "sampled " + scene.scene + ", " + std::to_string(samples.count()) + " samples so far"});

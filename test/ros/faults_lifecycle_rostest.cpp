@@ -127,6 +127,7 @@ void setSlowParameters(const std::string& node) {
   ros::NodeHandle parameters(node);
   parameters.setParam("forest", CBMV_TEST_FOREST);
   parameters.setParam("disparity_range", 64);
+  parameters.setParam("search_levels", 0);
   parameters.setParam("cbca_iterations_before", 16);
   parameters.setParam("cbca_iterations_after", 16);
 }

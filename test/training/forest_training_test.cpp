@@ -41,13 +41,16 @@ class ForestTraining : public testing::Test {
 void ignore(const TrainingStep& /*step*/) {}
 
 TEST_F(ForestTraining, SharesTheSamplesAmongTheScenes) {
-  options_.max_samples = 3000;
+  options_.search.levels = 3;  // and the full size
+  options_.max_samples = 12000;
   EXPECT_EQ(pixelsPerScene(10, options_), 100);
   EXPECT_EQ(pixelsPerScene(1, options_), 1000);
   options_.pixels_per_scene = 50;
   EXPECT_EQ(pixelsPerScene(10, options_), 50);
-  EXPECT_TRUE(mentions(errorText([&] { pixelsPerScene(1001, options_); }), {"3003", "1001"}));
+  EXPECT_TRUE(mentions(errorText([&] { pixelsPerScene(1001, options_); }), {"12012", "4 levels", "1001"}));
   options_.pixels_per_scene = 40000;
+  options_.search.levels = 0;
+  options_.max_samples = 3000;
   const Samples samples = drawSamples(scenes_, options_, ignore);
   EXPECT_LE(samples.count(), 3000);
   EXPECT_GT(samples.count(), 2700);
@@ -84,6 +87,7 @@ TEST_F(ForestTraining, TellsEachStep) {
       lines.push_back(step.line);
     }
   };
+  options_.search.levels = 0;
   const Samples samples = drawSamples(scenes_, options_, progress);
   EXPECT_THAT(steps, ElementsAre("reading 1/3", "reading 2/3", "reading 3/3", "sampling 1/3",
                                  "sampling 2/3", "sampling 3/3"));
@@ -95,6 +99,27 @@ TEST_F(ForestTraining, TellsEachStep) {
   // cppcheck-suppress containerOutOfBounds  // `progress` fills it
   EXPECT_EQ(steps.back(), "boosting 9/9");
   EXPECT_THAT(lines, ElementsAre(HasSubstr("tree 8 of 9"), HasSubstr("tree 9 of 9")));
+}
+
+TEST_F(ForestTraining, WindowsTakeAFirstForest) {
+  const auto draw = [&](double windowed_share, std::vector<std::string>& phases) {
+    options_.windowed_share = windowed_share;
+    return drawSamples(scenes_, options_, [&](const TrainingStep& step) {
+      if (phases.empty() || phases.back() != step.phase) {
+        phases.push_back(step.phase);
+      }
+    });
+  };
+  options_.search.levels = 1;
+  std::vector<std::string> phases;
+  const Samples windowed = draw(1, phases);
+  EXPECT_THAT(phases, ElementsAre("reading", "first sampling", "first forest", "sampling"));
+  phases.clear();
+  const Samples whole = draw(0, phases);
+  EXPECT_THAT(phases, ElementsAre("reading", "sampling"));
+  EXPECT_GT(windowed.count(), 0);
+  EXPECT_LE(windowed.count(), whole.count()) << "lists do not have every disparity";
+  EXPECT_EQ(windowed.held_out.size(), windowed.labels.size());
 }
 
 TEST_F(ForestTraining, KeepsWhereTheForestComesFrom) {

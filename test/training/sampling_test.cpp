@@ -9,6 +9,7 @@
 #include "support/random_images.h"
 
 #include "cbmv_stereo/confidence/row_features.h"
+#include "cbmv_stereo/optimization/coarse_volume.h"
 
 namespace cbmv::test {
 namespace {
@@ -66,6 +67,70 @@ TEST(Sampling, SkipsWrongDisparitiesThatDoNotExist) {
   Samples samples;
   appendSamples(pair, 100, 7, samples);
   EXPECT_EQ(samples.count(), 100);
+}
+
+/// Two disparities in every list: the correct one and one above, or one of them alone.
+SearchSpace listsOf(const TrainingPair& pair, const std::vector<int>& disparities) {
+  SearchSpace space;
+  space.build(pair.left.rows, pair.left.cols, pair.range, [&](int, SearchSpace::Row& row) {
+    for (int t = 0; t < (pair.left.cols + kTileColumns - 1) / kTileColumns; ++t) {
+      for (const int d : disparities) {
+        row.push(d - pair.range.min);
+      }
+      row.endTile();
+    }
+  });
+  return space;
+}
+
+TEST(SamplingOverWindows, DrawsWhatIsInTheLists) {
+  const TrainingPair pair = shiftedPair();
+  const auto draw = [&](const std::vector<int>& disparities) {
+    Samples samples;
+    appendSamples(pair, listsOf(pair, disparities), HeldOutBand(40, 7), 100, 7, samples);
+    return samples;
+  };
+  const Samples both = draw({kTruth, kTruth + 5});
+  EXPECT_EQ(both.count(), 200);
+  EXPECT_EQ(std::count(both.labels.begin(), both.labels.end(), 1), 100);
+  const Samples wrong = draw({kTruth + 5});
+  EXPECT_EQ(wrong.count(), 100);
+  EXPECT_EQ(std::count(wrong.labels.begin(), wrong.labels.end(), 1), 0);
+  EXPECT_EQ(draw({kTruth + 1}).count(), 0) << "neither correct nor wrong";
+}
+
+/// The features are those of the whole range if the lists hold it, and not if they do not.
+TEST(SamplingOverWindows, CompetitorsAreThoseOfTheLists) {
+  const TrainingPair pair = shiftedPair();
+  Samples expected;
+  appendSamples(pair, 100, 7, expected);
+  SearchSpace whole;
+  whole.buildExhaustive(pair.left.rows, pair.left.cols, pair.range);
+  Samples found;
+  appendSamples(pair, whole, HeldOutBand(40, 7), 100, 7, found);
+  EXPECT_EQ(found.features, expected.features);
+  EXPECT_EQ(found.labels, expected.labels);
+
+  Samples alone;
+  appendSamples(pair, listsOf(pair, {kTruth}), HeldOutBand(40, 7), 100, 7, alone);
+  ASSERT_EQ(alone.count(), 100);
+  const std::vector<float>& likelihood = alone.features[featureIndex(kCensus, kLikelihoodLow)];
+  EXPECT_EQ(std::count(likelihood.begin(), likelihood.end(), likelihood[0]), 100)
+      << "without competitors, every likelihood is the same";
+}
+
+TEST(HalvePair, TakesTheTruthWhereFourPixelsAgree) {
+  TrainingPair pair = shiftedPair();
+  pair.truth.at<float>(12, 41) = kTruth + 3;  // an edge
+  pair.mask.at<std::uint8_t>(15, 44) = 128;
+  const TrainingPair half = halvePair(pair);
+  ASSERT_EQ(half.left.size(), cv::Size(45, 20));
+  EXPECT_EQ(half.range, halveRange(pair.range));
+  EXPECT_FLOAT_EQ(half.truth.at<float>(10, 30), (kTruth + 0.2F) / 2);
+  EXPECT_EQ(half.mask.at<std::uint8_t>(10, 30), 255);
+  EXPECT_EQ(half.mask.at<std::uint8_t>(6, 20), 0) << "edge";
+  EXPECT_EQ(half.mask.at<std::uint8_t>(7, 22), 0) << "masked";
+  EXPECT_EQ(half.mask.at<std::uint8_t>(10, 10), 0) << "unknown";
 }
 
 TEST(Sampling, HoldsOutTheRowsOfABand) {

@@ -8,12 +8,20 @@
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/pipeline/options.h"
 #include "cbmv_stereo/pipeline/stereo_result.h"
+#include "cbmv_stereo/volume/search_space.h"
 
 namespace cbmv {
 
 /// Levels below the full size at which a pair of that size is searched: options.search.levels,
 /// fewer where the shorter side would fall below 32 px.
 int searchLevels(const cv::Size& image_size, const StereoOptions& options);
+
+/// One level of a search: the pair at its size and what of it was matched.
+struct SearchLevel {
+  cv::Mat left;   ///< CV_8UC1
+  cv::Mat right;  ///< CV_8UC1
+  const SearchSpace& space;
+};
 
 /// Coarse-to-fine search: the pair is matched exhaustively at 1 / 2^levels of its size; every finer
 /// level is matched over the search space that SearchWindows makes of the level before and of
@@ -28,12 +36,18 @@ class PyramidMatcher {
   PyramidMatcher(const PyramidMatcher&) = delete;
   PyramidMatcher& operator=(const PyramidMatcher&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1. Sets all maps, range and memory of `result` and
-  /// adds to its times. Throws InputError if the pair needs more than options.max_memory_mb, which is
-  /// known when its search space is, before the volumes are there. Parallel by oneTBB; the result depends neither on earlier pairs nor on the
-  /// number of threads.
+  /// `left` and `right` are the aligned pair, CV_8UC1. Sets all maps, range and memory of `result`
+  /// and adds to its times. Throws InputError if the pair needs more than options.max_memory_mb,
+  /// which is known when its search space is, before the volumes are there. Parallel by oneTBB; the
+  /// result depends neither on earlier pairs nor on the number of threads.
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result);
+
+  /// Levels of the last pair matched: searchLevels() and the full size.
+  int levels() const;
+  /// Level `i` of it, 0 is the full size; its memory is that of the matcher (level 0: of the images
+  /// that `match` was given), until the next pair.
+  SearchLevel level(int i) const;
 
  private:
   class Impl;

@@ -21,7 +21,7 @@ namespace cbmv {
 /// those of all its pixels, cut to the range; where there are none, the whole range.
 class SearchWindows {
  public:
-  static constexpr int kRescueReachPx = 2;
+  static constexpr int kRescueReachPx = 3;
 
   /// `coarse` is CV_32FC1 of half the size of `matches` (rounded down, at least 1), in coarse
   /// pixels; `invalid` marks pixels without a disparity. `matches` is CV_16SC1 as MutualMatcher

@@ -8,6 +8,7 @@
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/data_set.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/search/options.h"
 #include "cbmv_stereo/training/boosting.h"
 #include "cbmv_stereo/training/random_forest.h"
 #include "cbmv_stereo/training/sampling.h"
@@ -21,9 +22,15 @@ enum class ForestKind {
 
 struct TrainingOptions {
   ForestKind kind = ForestKind::kOblivious;
-  long pixels_per_scene = 100000;  ///< at most; each gives up to three samples
+  long pixels_per_scene = 100000;  ///< at most, of each level; each gives up to three samples
   /// At most, over all scenes, each of which gets the same share: bounds the memory.
   long max_samples = 3000000;
+  /// The search that the forest is made for: samples come from all of its levels. 0 levels: from
+  /// the full size and the whole range alone.
+  SearchOptions search;
+  /// Part of the pixels whose competitors are those of the search's windows, 0 … 1; the other ones
+  /// have those of the whole range.
+  double windowed_share = 0.7;
   std::uint64_t seed = 1;
   RectificationOptions rectification;  ///< as the pairs will be matched
   BoostingOptions boosting;            ///< of oblivious trees
@@ -47,12 +54,14 @@ using TrainingProgress = std::function<void(const TrainingStep&)>;
 /// Called with a line for people now and then.
 using TrainingReport = std::function<void(const std::string&)>;
 
-/// Pixels that are drawn from each of so many scenes: options.pixels_per_scene, or less so that no
-/// more than options.max_samples come together. Throws Error when that leaves none.
+/// Pixels that are drawn from each level of each of so many scenes: options.pixels_per_scene, or
+/// less so that no more than options.max_samples come together. Throws Error when that leaves none.
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options);
 
 /// Draws the samples that a forest is trained on and measured with, from the pixels of these scenes
-/// that both cameras see. Checks first that all scenes can be read. Holds one scene at a time.
+/// that both cameras see. With samples from windows, a first forest of oblivious trees is trained
+/// on a quarter of the pixels at full size, and the windows are those that a search with it leaves.
+/// Checks first that all scenes can be read. Holds one scene at a time.
 /// Throws Error that names the scene or file that is wrong.
 Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                     const TrainingProgress& progress);
