@@ -72,7 +72,7 @@ void SearchWindows::build(const cv::Mat& coarse, float invalid, const cv::Mat& m
     const int coarse_y = std::min(y / 2, coarse.rows - 1);
     const cv::Range coarse_rows =
         around(coarse_y, coarse_y, options.neighborhood_px, coarse.rows);
-    const cv::Range match_rows = around(y, y, kRescueReachPx, matches.rows);
+    const cv::Range match_rows = around(y, y, kRescueRows, matches.rows);
     std::vector<std::uint64_t>& set = sets_.local();
     for (int t = 0; t < tiles; ++t) {
       std::fill(set.begin(), set.end(), 0);
@@ -119,7 +119,7 @@ void SearchWindows::collectMatches(const cv::Mat& matches, const DisparityRange&
       std::uint64_t* set = match_sets_.tile(y, t);
       const int first = t * kTileColumns;
       const cv::Range columns =
-          around(first, first + kTileColumns - 1, kRescueReachPx, matches.cols);
+          around(first, first + kTileColumns - 1, kRescueColumns, matches.cols);
       for (int x = columns.start; x < columns.end; ++x) {
         if (indices[x] != kNoMatch) {
           setRange(indices[x] - 1, indices[x] + 1, range.count, set);

@@ -36,7 +36,7 @@ std::set<int> tileIndices(const cv::Mat_<float>& coarse, const cv::Mat_<std::int
       }
     }
     for (int my = y - 3; my <= y + 3; ++my) {
-      for (int mx = x - 3; mx <= x + 3; ++mx) {
+      for (int mx = x - 2; mx <= x + 2; ++mx) {
         if (my >= 0 && my < matches.rows && mx >= 0 && mx < matches.cols &&
             matches(my, mx) != kNoMatch) {
           add(matches(my, mx) - 1, matches(my, mx) + 1);

@@ -17,11 +17,13 @@ namespace cbmv {
 ///
 /// A pixel's disparities are those within margin_px of twice a coarse disparity, where that is of a
 /// pixel at most neighborhood_px rows and columns away from the pixel's place in the coarse image,
-/// and d − 1 … d + 1 of the mutual matches at most kRescueReachPx rows and columns away. A tile has
-/// those of all its pixels, cut to the range; where there are none, the whole range.
+/// and d − 1 … d + 1 of the mutual matches at most kRescueRows rows and kRescueColumns columns
+/// away. A tile has those of all its pixels, cut to the range; where there are none, the whole
+/// range.
 class SearchWindows {
  public:
-  static constexpr int kRescueReachPx = 3;
+  static constexpr int kRescueRows = 3;
+  static constexpr int kRescueColumns = 2;
 
   /// `coarse` is CV_32FC1 of half the size of `matches` (rounded down, at least 1), in coarse
   /// pixels; `invalid` marks pixels without a disparity. `matches` is CV_16SC1 as MutualMatcher
