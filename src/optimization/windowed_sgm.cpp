@@ -54,8 +54,9 @@ class WindowedSgm::Impl {
   void preparePaths(const SearchSpace& space) {
     const int tiles = space.tiles();
     const int block_tiles = blockTiles(space);
-    blocks_.resize((tiles + block_tiles - 1) / block_tiles);
-    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
+    used_blocks_ = static_cast<std::size_t>((tiles + block_tiles - 1) / block_tiles);
+    blocks_.resize(std::max(blocks_.size(), used_blocks_));
+    tbb::parallel_for(std::size_t{0}, used_blocks_, [&](std::size_t i) {
       const int first = static_cast<int>(i) * block_tiles;
       blocks_[i].resize(vertical_, cv::Range(first, std::min(first + block_tiles, tiles)));
     });
@@ -74,10 +75,10 @@ class WindowedSgm::Impl {
       tbb::parallel_for(band.start, band.end, RowPaths::kRowsAtOnce, [&](int y) {
         rows_.local().run(costs, {y, std::min(y + RowPaths::kRowsAtOnce, band.end)}, sums);
       });
-      tbb::parallel_for(std::size_t{0}, blocks_.size(),
+      tbb::parallel_for(std::size_t{0}, used_blocks_,
                         [&](std::size_t i) { blocks_[i].runDown(costs, band, sums); });
     }
-    tbb::parallel_for(std::size_t{0}, blocks_.size(),
+    tbb::parallel_for(std::size_t{0}, used_blocks_,
                       [&](std::size_t i) { blocks_[i].runUp(costs, sums); });
   }
 
@@ -102,6 +103,7 @@ class WindowedSgm::Impl {
   PathSetup horizontal_;
   PathSetup vertical_;
   std::vector<ColumnPaths> blocks_;
+  std::size_t used_blocks_ = 0;  ///< by the volume under way
   PerThread<RowPaths> rows_;
 };
 
