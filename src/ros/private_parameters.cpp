@@ -96,7 +96,7 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
   std::vector<PrivateParameter> table = {
       {"forest", std::string(), 0, 0, "",
        "File of the forest; without one the nodelet does not come up (the launch files give "
-       "models/middlebury.forest)"},
+       "models/middlebury_small.forest)"},
       {"preset", std::string(), 0, 0, "",
        "Name of a file in config/ without its ending, or path of a YAML file; private parameters "
        "win "
