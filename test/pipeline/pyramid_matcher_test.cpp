@@ -1,17 +1,11 @@
 #include "cbmv_stereo/pipeline/pyramid_matcher.h"
 
-#include <map>
-#include <utility>
-#include <vector>
-
 #include <gtest/gtest.h>
 
 #include "support/forest_fixture.h"
 #include "support/rendered_stereo_scene.h"
 
-#include "cbmv_stereo/evaluation/rendered_poles.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
@@ -86,33 +80,6 @@ TEST(PyramidMatcher, IsAsRightAsTheExhaustiveSearch) {
       EXPECT_LE(wrongShare(result, scene), full + 0.01) << preset << ", levels " << levels;
     }
   }
-}
-
-/// What the coarse levels do not see, with the forest that goes with the preset: at every width, the
-/// mean over several depths.
-TEST(PyramidMatcher, FindsThinObjectsAsTheExhaustiveSearchDoes) {
-  const auto forest = std::make_shared<const Forest>(
-      readForest(CBMV_SOURCE_DIR "/models/middlebury_small.forest"));
-  std::map<int, double> full_recall;
-  std::map<int, double> recall;
-  const std::vector<std::pair<int, int>> depths = {{4, 24}, {4, 48}, {10, 20}};
-  for (const auto& [far_px, near_px] : depths) {
-    const RenderedPoles poles = renderPoles(far_px, near_px, 1);
-    const auto disparityOf = [&](int levels) {
-      StereoMatcher matcher(forest, optionsOf("realtime", 64, levels));
-      return matcher.match(poles.left, poles.right).disparity;
-    };
-    const cv::Mat full = disparityOf(0);
-    const cv::Mat found = disparityOf(3);
-    for (const int width : poleWidths()) {
-      full_recall[width] += poleRecall(poles, width, full) / static_cast<double>(depths.size());
-      recall[width] += poleRecall(poles, width, found) / static_cast<double>(depths.size());
-    }
-  }
-  for (const int width : poleWidths()) {
-    EXPECT_GT(recall[width], full_recall[width] - 0.03) << width << " px wide";
-  }
-  EXPECT_GT(full_recall[3], 0.8);
 }
 
 TEST(PyramidMatcher, DependsNeitherOnThreadsNorOnEarlierPairs) {
