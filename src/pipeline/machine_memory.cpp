@@ -38,8 +38,8 @@ double lowestLimit(fs::path folder, const fs::path& mount, const std::string& fi
 std::string wholeMb(double mb) { return std::to_string(std::llround(mb)) + " MB"; }
 
 /// Empty if the memory suffices.
-std::string refusal(double required_mb, const std::string& what, const std::string& remedy,
-                    double machine_mb) {
+std::string memoryErrorText(double required_mb, const std::string& what, const std::string& remedy,
+                            double machine_mb) {
   if (required_mb <= machine_mb) {
     return {};
   }
@@ -77,18 +77,18 @@ double machineMemoryMb() {
   return std::min(machine_bytes, groupLimitBytes(groups, "/sys/fs/cgroup")) / (1 << 20);
 }
 
-std::string machineMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
-                                 double machine_mb) {
-  return refusal(requiredMemoryMb(image_size, options),
-                 "images of " + std::to_string(image_size.width) + "x" +
-                     std::to_string(image_size.height) + " pixels with " +
-                     std::to_string(options.range.count) + " disparities",
-                 "lower disparity_range or take smaller images", machine_mb);
+std::string machineMemoryError(const cv::Size& image_size, const StereoOptions& options,
+                               double machine_mb) {
+  return memoryErrorText(requiredMemoryMb(image_size, options),
+                         "images of " + std::to_string(image_size.width) + "x" +
+                             std::to_string(image_size.height) + " pixels with " +
+                             std::to_string(options.range.count) + " disparities",
+                         "lower disparity_range or take smaller images", machine_mb);
 }
 
 void requireMemory(const cv::Size& image_size, const StereoOptions& options) {
   for (const std::string& sentence :
-       {memoryRefusal(image_size, options), machineMemoryRefusal(image_size, options)}) {
+       {memoryError(image_size, options), machineMemoryError(image_size, options)}) {
     if (!sentence.empty()) {
       throw Error(sentence);
     }
@@ -97,7 +97,7 @@ void requireMemory(const cv::Size& image_size, const StereoOptions& options) {
 
 void requireMachineMemory(double required_mb, const std::string& what, const std::string& remedy,
                           double machine_mb) {
-  const std::string sentence = refusal(required_mb, what, remedy, machine_mb);
+  const std::string sentence = memoryErrorText(required_mb, what, remedy, machine_mb);
   if (!sentence.empty()) {
     throw Error(sentence);
   }

@@ -146,8 +146,8 @@ double bytesOfSurfaces(const cv::Size& image_size, const Problem& problem) {
          bytesOfSurfaces(image_size / 2, half);
 }
 
-std::string refusalOf(double required_mb, const cv::Size& image_size,
-                      const StereoOptions& options) {
+std::string memoryErrorOf(double required_mb, const cv::Size& image_size,
+                          const StereoOptions& options) {
   if (options.max_memory_mb == 0 || required_mb <= options.max_memory_mb) {
     return {};
   }
@@ -195,13 +195,13 @@ double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options
          (1 << 20);
 }
 
-std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options) {
-  return refusalOf(requiredMemoryMb(image_size, options), image_size, options);
+std::string memoryError(const cv::Size& image_size, const StereoOptions& options) {
+  return memoryErrorOf(requiredMemoryMb(image_size, options), image_size, options);
 }
 
-std::string searchMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
-                                const std::vector<double>& hypotheses) {
-  return refusalOf(searchMemoryMb(image_size, options, hypotheses), image_size, options);
+std::string searchMemoryError(const cv::Size& image_size, const StereoOptions& options,
+                              const std::vector<double>& hypotheses) {
+  return memoryErrorOf(searchMemoryMb(image_size, options, hypotheses), image_size, options);
 }
 
 }  // namespace cbmv

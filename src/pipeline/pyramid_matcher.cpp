@@ -163,9 +163,9 @@ class PyramidMatcher::Impl {
   /// Throws InputError if the pair needs too much, now that the lists of this level are known.
   void requireMemory(const Stages& stages, const StereoOptions& options) {
     hypotheses_[stages.halvings] = static_cast<double>(stages.space.entries()) * kTileColumns;
-    const std::string refusal = searchMemoryRefusal(full_size_, options, hypotheses_);
-    if (!refusal.empty()) {
-      throw InputError(InputFault::kMemory, refusal);
+    const std::string error = searchMemoryError(full_size_, options, hypotheses_);
+    if (!error.empty()) {
+      throw InputError(InputFault::kMemory, error);
     }
   }
 

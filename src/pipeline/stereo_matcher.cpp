@@ -47,9 +47,9 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
 }
 
 void requireMemory(const cv::Size& size, const StereoOptions& options) {
-  const std::string refusal = memoryRefusal(size, options);
-  if (!refusal.empty()) {
-    throw Error(refusal);
+  const std::string error = memoryError(size, options);
+  if (!error.empty()) {
+    throw Error(error);
   }
 }
 
@@ -116,10 +116,9 @@ class StereoMatcher::Impl {
     if (!options.rectification.enabled) {
       return right;
     }
-    result.rectification =
-        offset != nullptr
-            ? *offset
-            : estimateVerticalOffset(left, right, options.range, options.rectification);
+    result.rectification = offset != nullptr ? *offset
+                                             : estimateVerticalOffset(left, right, options.range,
+                                                                      options.rectification);
     return alignRightRows(right, result.rectification, aligned_);
   }
 

@@ -71,13 +71,13 @@ TEST(MachineMemoryMb, IsSome) {
   EXPECT_LT(machineMemoryMb(), 1 << 26);
 }
 
-TEST(MachineMemoryRefusal, TellsNeedAndPresence) {
+TEST(MachineMemoryError, TellsNeedAndPresence) {
   StereoOptions options;
   options.search.levels = 0;
   options.range.count = 256;
   const cv::Size size(2000, 1000);
-  EXPECT_EQ(machineMemoryRefusal(size, options, requiredMemoryMb(size, options)), "");
-  EXPECT_TRUE(mentions(machineMemoryRefusal(size, options, 1234.4),
+  EXPECT_EQ(machineMemoryError(size, options, requiredMemoryMb(size, options)), "");
+  EXPECT_TRUE(mentions(machineMemoryError(size, options, 1234.4),
                        {"2000x1000", "256 disparities need",
                         std::to_string(std::llround(requiredMemoryMb(size, options))) + " MB",
                         "machine has 1234 MB", "disparity_range"}));

@@ -187,25 +187,25 @@ TEST(RequiredMemoryMb, OfOneVolumeMoreWithMoreThanOneStep) {
   EXPECT_NEAR(requiredMemoryMb({1000, 1000}, options) - one, 200e6 / (1 << 20), 1e-6);
 }
 
-TEST(MemoryRefusal, NamesBothNumbersAndWhatHelps) {
+TEST(MemoryError, NamesBothNumbersAndWhatHelps) {
   StereoOptions options;
   options.range = {0, 128};
   const int needed = static_cast<int>(std::ceil(requiredMemoryMb({640, 480}, options)));
-  EXPECT_EQ(memoryRefusal({640, 480}, options), "") << "no bound";
+  EXPECT_EQ(memoryError({640, 480}, options), "") << "no bound";
   options.max_memory_mb = needed;
-  EXPECT_EQ(memoryRefusal({640, 480}, options), "");
+  EXPECT_EQ(memoryError({640, 480}, options), "");
   options.max_memory_mb = needed - 1;
-  EXPECT_TRUE(mentions(memoryRefusal({640, 480}, options),
+  EXPECT_TRUE(mentions(memoryError({640, 480}, options),
                        {"640x480", "128 disparities", std::to_string(needed) + " MB",
                         std::to_string(needed - 1), "disparity_range"}));
 }
 
-TEST(MemoryRefusal, IsWhatTheMatcherThrows) {
+TEST(MemoryError, IsWhatTheMatcherThrows) {
   StereoOptions options;
   options.max_memory_mb = 1;
   const cv::Mat grey = makeGrey({200, 100}, Content::kPatches, 1);
   StereoMatcher matcher(std::make_shared<Forest>(makeForest(8, 5, 3)), options);
-  EXPECT_EQ(errorText([&] { matcher.match(grey, grey); }), memoryRefusal(grey.size(), options));
+  EXPECT_EQ(errorText([&] { matcher.match(grey, grey); }), memoryError(grey.size(), options));
   options.max_memory_mb = 100;
   matcher.setOptions(options);
   EXPECT_EQ(matcher.match(grey, grey).disparity.size(), grey.size());

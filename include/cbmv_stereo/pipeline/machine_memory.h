@@ -22,10 +22,10 @@ double machineMemoryMb();
 
 /// One sentence if a StereoMatcher needs more for images of that size (requiredMemoryMb) than the
 /// machine has: with both numbers in MB and what to do. Empty if the memory suffices.
-std::string machineMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
-                                 double machine_mb = machineMemoryMb());
+std::string machineMemoryError(const cv::Size& image_size, const StereoOptions& options,
+                               double machine_mb = machineMemoryMb());
 
-/// Throws Error with machineMemoryRefusal, or with memoryRefusal where options.max_memory_mb is
+/// Throws Error with machineMemoryError, or with memoryError where options.max_memory_mb is
 /// lower, so that nothing is allocated in vain.
 void requireMemory(const cv::Size& image_size, const StereoOptions& options);
 

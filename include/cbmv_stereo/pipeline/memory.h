@@ -35,22 +35,22 @@ double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options
 constexpr double kListedDisparities = 16;
 
 /// Hypotheses that a coarse-to-fine search is expected to match at each level, the full size first:
-/// all at the coarsest level, kListedDisparities a pixel at the others. More where the parameters of
-/// the search make longer lists.
+/// all at the coarsest level, kListedDisparities a pixel at the others. More where the parameters
+/// of the search make longer lists.
 std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoOptions& options);
 
 /// Memory in MB (2^20 bytes) of a coarse-to-fine search that matches so many hypotheses at each
-/// level, the full size first. The volumes take 1 + 2 v bytes of each, as in requiredMemoryMb, and 1
-/// more if the right view is optimized; every level has the maps and rows of requiredMemoryMb.
+/// level, the full size first. The volumes take 1 + 2 v bytes of each, as in requiredMemoryMb, and
+/// 1 more if the right view is optimized; every level has the maps and rows of requiredMemoryMb.
 double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
                       const std::vector<double>& hypotheses);
 
-/// One sentence if requiredMemoryMb is more than options.max_memory_mb, with both numbers and what would
-/// help; empty if the memory suffices or is not bounded.
-std::string memoryRefusal(const cv::Size& image_size, const StereoOptions& options);
+/// One sentence if requiredMemoryMb is more than options.max_memory_mb, with both numbers and what
+/// would help; empty if the memory suffices or is not bounded.
+std::string memoryError(const cv::Size& image_size, const StereoOptions& options);
 
 /// The same for the hypotheses of a pair, when its lists are known.
-std::string searchMemoryRefusal(const cv::Size& image_size, const StereoOptions& options,
-                                const std::vector<double>& hypotheses);
+std::string searchMemoryError(const cv::Size& image_size, const StereoOptions& options,
+                              const std::vector<double>& hypotheses);
 
 }  // namespace cbmv
