@@ -66,9 +66,6 @@ class PyramidMatcher::Impl {
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result) {
     const int coarser = searchLevels(left.size(), options);
-    coarser_ = coarser;
-    left_ = left;
-    right_ = right;
     while (static_cast<int>(levels_.size()) < coarser) {
       levels_.emplace_back();
     }
@@ -101,14 +98,8 @@ class PyramidMatcher::Impl {
     result.memory_mb = searchMemoryMb(full_size_, options, hypotheses_);
   }
 
-  int levels() const { return coarser_ + 1; }
-
-  SearchLevel level(int i) const {
-    if (i == 0) {
-      return {left_, right_, finest_.space};
-    }
-    const Level& level = levels_[i - 1];
-    return {level.left, level.right, level.stages.space};
+  const SearchSpace& space(int level) const {
+    return level == 0 ? finest_.space : levels_[level - 1].stages.space;
   }
 
  private:
@@ -188,10 +179,7 @@ class PyramidMatcher::Impl {
 
   cv::Size full_size_;
   std::vector<double> hypotheses_;  ///< of each level, the full size first; expected until known
-  cv::Mat left_;                    ///< the pair matched last
-  cv::Mat right_;
-  int coarser_ = 0;           ///< levels of it below the full size
-  std::deque<Level> levels_;  ///< half the size first
+  std::deque<Level> levels_;        ///< half the size first
   Stages finest_;
 };
 
@@ -204,8 +192,6 @@ void PyramidMatcher::match(const cv::Mat& left, const cv::Mat& right, const Ster
   impl_->match(left, right, options, forest, evaluator, result);
 }
 
-int PyramidMatcher::levels() const { return impl_->levels(); }
-
-SearchLevel PyramidMatcher::level(int i) const { return impl_->level(i); }
+const SearchSpace& PyramidMatcher::space(int level) const { return impl_->space(level); }
 
 }  // namespace cbmv

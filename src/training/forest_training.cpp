@@ -73,8 +73,8 @@ class LevelSampler {
         appendSamples(pair, whole_, band, pixels - windowed, own_seed, samples);
       }
       if (windowed > 0) {
-        appendSamples(pair, pyramid_.level(level).space, band, windowed,
-                      own_seed + kSeedsPerLevel / 2, samples);
+        appendSamples(pair, pyramid_.space(level), band, windowed, own_seed + kSeedsPerLevel / 2,
+                      samples);
       }
     }
   }

@@ -16,13 +16,6 @@ namespace cbmv {
 /// fewer where the shorter side would fall below 32 px.
 int searchLevels(const cv::Size& image_size, const StereoOptions& options);
 
-/// One level of a search: the pair at its size and what of it was matched.
-struct SearchLevel {
-  cv::Mat left;   ///< CV_8UC1
-  cv::Mat right;  ///< CV_8UC1
-  const SearchSpace& space;
-};
-
 /// Coarse-to-fine search: the pair is matched exhaustively at 1 / 2^levels of its size; every finer
 /// level is matched over the search space that SearchWindows makes of the level before and of
 /// mutual matches. Coarse levels optimize the right view, too, where there is a left-right check.
@@ -43,11 +36,9 @@ class PyramidMatcher {
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result);
 
-  /// Levels of the last pair matched: searchLevels() and the full size.
-  int levels() const;
-  /// Level `i` of it, 0 is the full size; its memory is that of the matcher (level 0: of the images
-  /// that `match` was given), until the next pair.
-  SearchLevel level(int i) const;
+  /// What was matched of the last pair at a level, from 0, the full size, to searchLevels(). Valid
+  /// until the next pair.
+  const SearchSpace& space(int level) const;
 
  private:
   class Impl;
