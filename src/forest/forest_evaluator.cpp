@@ -2,147 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "forest/forest_evaluator.cpp"
-#include <hwy/foreach_target.h>  // must come before highway.h
-#include <hwy/highway.h>
-
-#include "simd/lanes-inl.h"
-
-HWY_BEFORE_NAMESPACE();
 namespace cbmv {
-namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Bytes = hn::CappedTag<std::uint8_t, 64>;
-using ByteVector = hn::Vec<Bytes>;
-
-/// Answers of one level, for the hypotheses at `codes` (of feature 0) and behind.
-HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::int8_t* codes) {
-  const hn::RebindToSigned<Bytes> signed_bytes;
-  const auto code = hn::Load(signed_bytes, codes + tree.lines[level]);
-  return hn::RebindMask(Bytes(), hn::Lt(code, hn::Set(signed_bytes, tree.thresholds[level])));
+std::uint8_t costOfLogOdds(double log_odds) {
+  return static_cast<std::uint8_t>(std::lround(255.0 / (1.0 + std::exp(log_odds))));
 }
-
-/// Bits 0 … kLevels − 1 of the leaf's number.
-template <int kLevels>
-HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::int8_t* codes) {
-  const auto bit = hn::Set(Bytes(), 1U << (kLevels - 1));
-  const auto is_below = isBelow(tree, kLevels - 1, codes);
-  if constexpr (kLevels == 1) {
-    return hn::IfThenElseZero(is_below, bit);
-  } else {
-    const ByteVector lower_bits = leafNumber<kLevels - 1>(tree, codes);
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-    return hn::IfThenElse(is_below, hn::Add(lower_bits, bit), lower_bits);  // one instruction
-#else
-    return hn::Or(lower_bits, hn::IfThenElseZero(is_below, bit));
-#endif
-  }
-}
-
-#if HWY_TARGET == HWY_AVX3_DL
-
-HWY_INLINE ByteVector lookUp128(const std::uint8_t* leaves, ByteVector number) {
-  return ByteVector{_mm512_permutex2var_epi8(hn::LoadU(Bytes(), leaves).raw, number.raw,
-                                             hn::LoadU(Bytes(), leaves + 64).raw)};
-}
-
-/// Leaf that each hypothesis falls into.
-template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
-  const std::uint8_t* leaves = tree.leaves.data();
-  if constexpr (kDepth <= 6) {
-    const ByteVector number = leafNumber<kDepth>(tree, codes);
-    return ByteVector{_mm512_permutexvar_epi8(number.raw, hn::LoadU(Bytes(), leaves).raw)};
-  } else {
-    const ByteVector number = leafNumber<7>(tree, codes);
-    if constexpr (kDepth == 7) {
-      return lookUp128(leaves, number);
-    } else {
-      return hn::IfThenElse(isBelow(tree, 7, codes), lookUp128(leaves + 128, number),
-                            lookUp128(leaves, number));
-    }
-  }
-}
-
-#else
-
-/// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
-template <int kLevels>
-HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
-                                 ByteVector low_bits, const std::uint8_t* leaves) {
-  if constexpr (kLevels == 4) {
-    return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);
-  } else {
-    constexpr int half = 1 << (kLevels - 1);
-    return hn::IfThenElse(isBelow(tree, kLevels - 1, codes),
-                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves + half),
-                          selectLeaf<kLevels - 1>(tree, codes, low_bits, leaves));
-  }
-}
-
-/// Leaf that each hypothesis falls into.
-template <int kDepth>
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
-  return selectLeaf<kDepth>(tree, codes, leafNumber<4>(tree, codes), tree.leaves.data());
-}
-
-#endif
-
-HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
-  switch (tree.depth) {
-    case 4:
-      return findLeaf<4>(tree, codes);
-    case 5:
-      return findLeaf<5>(tree, codes);
-    case 6:
-      return findLeaf<6>(tree, codes);
-    case 7:
-      return findLeaf<7>(tree, codes);
-    default:
-      return findLeaf<8>(tree, codes);
-  }
-}
-
-/// Sums of a vector of hypotheses modulo 2¹⁶. Bytes are added in pairs: `pairs` holds the sums of
-/// the even bytes plus 2⁸ times those of the odd ones, `odd` those of the odd ones.
-using Sums = hn::Repartition<std::uint16_t, Bytes>;
-using SumVector = hn::Vec<Sums>;
-HWY_INLINE void addLeaf(ByteVector leaf, SumVector& pairs, SumVector& odd) {
-  const SumVector pair = hn::BitCast(Sums(), leaf);
-  pairs = hn::Add(pairs, pair);
-  odd = hn::Add(odd, hn::ShiftRight<8>(pair));
-}
-
-HWY_INLINE void storeSums(SumVector pairs, SumVector odd, std::uint16_t* sums) {
-  hn::StoreInterleaved2(hn::Sub(pairs, hn::ShiftLeft<8>(odd)), odd, Sums(), sums);
-}
-
-/// Sums of the leaves of the first `count` hypotheses, two vectors at a time.
-void sumLeaves(const PackedTree* trees, std::size_t tree_count, const std::int8_t* codes, int count,
-               std::uint16_t* sums) {
-  const int lanes = static_cast<int>(hn::Lanes(Bytes()));
-  for (int first = 0; first < count; first += 2 * lanes) {
-    SumVector pairs0 = hn::Zero(Sums());
-    SumVector pairs1 = pairs0;
-    SumVector odd0 = pairs0;
-    SumVector odd1 = pairs0;
-    for (std::size_t t = 0; t < tree_count; ++t) {
-      addLeaf(findLeaf(trees[t], codes + first), pairs0, odd0);
-      addLeaf(findLeaf(trees[t], codes + first + lanes), pairs1, odd1);
-    }
-    storeSums(pairs0, odd0, sums + first);
-    storeSums(pairs1, odd1, sums + first + lanes);
-  }
-}
-
-/// As many trees as have a sum of leaves that surely fits 16 bits.
-constexpr std::size_t kTreesPerSum = 0xffff / 0xff;
 
 template <typename Sum>
 void lookUpCosts(const std::uint8_t* cost_of_sum, const Sum* sums, int count, std::uint8_t* costs) {
@@ -160,74 +27,29 @@ void lookUpCosts(const std::uint8_t* cost_of_sum, const Sum* sums, int count, st
   }
 }
 
-void evaluateForest(const std::vector<PackedTree>& trees, const std::uint8_t* cost_of_sum,
-                    const CodeBlock& block, int count, std::uint8_t* costs) {
+}  // namespace
+
+ForestEvaluator::ForestEvaluator(const Forest& forest)
+    : trees_(forest), cost_of_sum_(trees_.tableOfSums(costOfLogOdds)), walker_(forest) {}
+
+void ForestEvaluator::evaluate(const CodeBlock& block, int count, std::uint8_t* costs) const {
+  constexpr int kTreesPerSum = ObliviousEvaluator::kTreesPerSum;
   const std::int8_t* codes = block.lines[0].data();
-  HWY_ALIGN std::uint16_t sums[CodeBlock::kHypotheses];
-  if (trees.size() <= kTreesPerSum) {
-    sumLeaves(trees.data(), trees.size(), codes, count, sums);
-    lookUpCosts(cost_of_sum, sums, count, costs);
+  alignas(64) std::array<std::uint16_t, CodeBlock::kHypotheses> sums;
+  if (trees_.trees() <= kTreesPerSum) {
+    trees_.sumLeaves(0, trees_.trees(), codes, count, sums.data());
+    lookUpCosts(cost_of_sum_.data(), sums.data(), count, costs);
     return;
   }
   std::array<std::uint32_t, CodeBlock::kHypotheses> all_sums{};
-  for (std::size_t t = 0; t < trees.size(); t += kTreesPerSum) {
-    sumLeaves(&trees[t], std::min(kTreesPerSum, trees.size() - t), codes, count, sums);
+  for (int tree = 0; tree < trees_.trees(); tree += kTreesPerSum) {
+    trees_.sumLeaves(tree, std::min(kTreesPerSum, trees_.trees() - tree), codes, count,
+                     sums.data());
     for (int i = 0; i < count; ++i) {
       all_sums[i] += sums[i];
     }
   }
-  lookUpCosts(cost_of_sum, all_sums.data(), count, costs);
-}
-
-}  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace cbmv
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace cbmv {
-namespace {
-
-HWY_EXPORT(evaluateForest);
-
-PackedTree packTree(const ObliviousTree& tree) {
-  const int depth = static_cast<int>(tree.levels.size());
-  PackedTree packed;
-  packed.depth = std::max(depth, PackedTree::kLeastDepth);
-  packed.thresholds.fill(-128);
-  for (int level = 0; level < depth; ++level) {
-    packed.lines[level] =
-        static_cast<std::uint32_t>(tree.levels[level].feature) * CodeBlock::kHypotheses;
-    packed.thresholds[level] = static_cast<std::int8_t>(tree.levels[level].threshold - 128);
-  }
-  const std::int8_t lowest = *std::min_element(tree.leaves.begin(), tree.leaves.end());
-  std::transform(tree.leaves.rbegin(), tree.leaves.rend(), packed.leaves.begin(),
-                 [lowest](std::int8_t leaf) { return static_cast<std::uint8_t>(leaf - lowest); });
-  return packed;
-}
-
-std::uint8_t costOfLogOdds(double log_odds) {
-  return static_cast<std::uint8_t>(std::lround(255.0 / (1.0 + std::exp(log_odds))));
-}
-
-}  // namespace
-
-ForestEvaluator::ForestEvaluator(const Forest& forest) : walker_(forest) {
-  std::int32_t lowest_sum = 0;
-  std::int32_t highest_sum = 0;
-  for (const ObliviousTree& tree : forest.trees) {
-    trees_.push_back(packTree(tree));
-    const auto [lowest, highest] = std::minmax_element(tree.leaves.begin(), tree.leaves.end());
-    lowest_sum += *lowest;
-    highest_sum += *highest;
-  }
-  for (std::int32_t sum = lowest_sum; sum <= highest_sum; ++sum) {
-    cost_of_sum_.push_back(costOfLogOdds(forest.bias + forest.leaf_unit * sum));
-  }
-}
-
-void ForestEvaluator::evaluate(const CodeBlock& codes, int count, std::uint8_t* costs) const {
-  HWY_DYNAMIC_DISPATCH(evaluateForest)(trees_, cost_of_sum_.data(), codes, count, costs);
+  lookUpCosts(cost_of_sum_.data(), all_sums.data(), count, costs);
 }
 
 void ForestEvaluator::evaluate(const std::array<const float*, kFeatureCount>& values, int count,
@@ -247,4 +69,3 @@ void ForestEvaluator::evaluate(const std::array<const float*, kFeatureCount>& va
 }
 
 }  // namespace cbmv
-#endif  // HWY_ONCE

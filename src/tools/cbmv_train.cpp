@@ -50,6 +50,6 @@ int main(int argc, char** argv) {
     cbmv::writeForest(forest, output);
     std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),
                 std::max(forest.trees.size(), forest.general_trees.size()),
-                cbmv::describeProvenance(forest.provenance).c_str());
+                cbmv::describeProvenance(forest).c_str());
   });
 }

@@ -17,23 +17,23 @@ namespace {
 
 constexpr int kBins = 10;
 
-using Columns = std::array<std::vector<float>, kFeatureCount>;
-
-Columns heldOutColumns(const Samples& samples) {
-  Columns columns;
-  for (int f = 0; f < kFeatureCount; ++f) {
-    for (long n = 0; n < samples.count(); ++n) {
-      if (samples.held_out[n] == 1) {
-        columns[f].push_back(samples.features[f][n]);
-      }
+/// Those of the entries of a column whose samples are held out.
+template <typename Value>
+std::vector<Value> heldOutPart(const std::vector<Value>& column, const SampleLabels& samples) {
+  std::vector<Value> part;
+  for (long n = 0; n < samples.count(); ++n) {
+    if (samples.held_out[n] == 1) {
+      part.push_back(column[n]);
     }
   }
-  return columns;
+  return part;
 }
 
-std::vector<double> walkTrees(const Forest& forest, const Columns& columns) {
+std::vector<double> walkTrees(const Forest& forest, const Samples& samples) {
+  std::array<std::vector<float>, kFeatureCount> columns;
   std::array<const float*, kFeatureCount> lines{};
   for (int f = 0; f < kFeatureCount; ++f) {
+    columns[f] = heldOutPart(samples.features[f], samples);
     lines[f] = columns[f].data();
   }
   std::vector<float> probabilities(columns[0].size());
@@ -41,13 +41,21 @@ std::vector<double> walkTrees(const Forest& forest, const Columns& columns) {
   return {probabilities.begin(), probabilities.end()};
 }
 
-std::vector<double> askObliviousTrees(const Forest& forest, const Columns& columns) {
-  const std::size_t count = columns[0].size();
-  std::array<std::vector<std::uint8_t>, kFeatureCount> codes;
-  for (int f = 0; f < kFeatureCount; ++f) {
-    codes[f].resize(count);
-    quantize(forest.quantizer.maps[f], columns[f].data(), static_cast<int>(count), codes[f].data());
+using Codes = std::vector<std::vector<std::uint8_t>>;  // a column a feature
+
+template <typename Columns, typename Maps>
+Codes heldOutCodes(const Columns& columns, const Maps& maps, const SampleLabels& samples) {
+  Codes codes;
+  for (std::size_t f = 0; f < columns.size(); ++f) {
+    const std::vector<float> values = heldOutPart(columns[f], samples);
+    codes.emplace_back(values.size());
+    quantize(maps[f], values.data(), static_cast<int>(values.size()), codes.back().data());
   }
+  return codes;
+}
+
+std::vector<double> askTrees(const ObliviousForest& forest, const Codes& codes) {
+  const std::size_t count = codes[0].size();
   std::vector<long> sums(count, 0);
   for (const ObliviousTree& tree : forest.trees) {
     for (std::size_t n = 0; n < count; ++n) {
@@ -65,16 +73,6 @@ std::vector<double> askObliviousTrees(const Forest& forest, const Columns& colum
     probabilities.push_back(1 / (1 + std::exp(-log_odds)));
   }
   return probabilities;
-}
-
-std::vector<std::uint8_t> heldOutLabels(const Samples& samples) {
-  std::vector<std::uint8_t> labels;
-  for (long n = 0; n < samples.count(); ++n) {
-    if (samples.held_out[n] == 1) {
-      labels.push_back(samples.labels[n]);
-    }
-  }
-  return labels;
 }
 
 std::vector<ReliabilityBin> reliability(const std::vector<double>& probabilities,
@@ -103,67 +101,95 @@ std::string formatted(const char* format, Values... values) {
   return line.data();
 }
 
-std::string describeReliability(const ForestProvenance& provenance) {
+std::string describeReliability(const TrainingRecord& record) {
   std::string text =
       "held-out samples by the probability that the forest gives them:\n"
       "  predicted  correct  samples\n";
-  for (const ReliabilityBin& bin : provenance.reliability) {
+  for (const ReliabilityBin& bin : record.reliability) {
     text += formatted("  %9.4f  %7.4f  %7ld\n", bin.predicted, bin.observed, bin.samples);
   }
-  return text + formatted("expected calibration error %.4f\n", provenance.calibration_error);
+  return text + formatted("expected calibration error %.4f\n", record.calibration_error);
 }
 
-std::string describeImportance(const std::vector<double>& importance) {
+template <typename Names>
+std::string describeImportance(const std::vector<double>& importance, const Names& names) {
   std::vector<int> order(importance.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return importance[a] > importance[b]; });
   std::string text = "features by their part of what all splits gained:\n";
   for (const int f : order) {
-    text += formatted("  %-34s %6.2f %%\n", kFeatureNames[f], 100 * importance[f]);
+    text += formatted("  %-34s %6.2f %%\n", std::string(names.at(f)).c_str(), 100 * importance[f]);
   }
   return text;
+}
+
+/// What was measured, without the options.
+template <typename Names>
+std::string describeRecord(const TrainingRecord& record, const Names& names) {
+  std::string text = formatted("%ld samples, held-out log-loss %.5f nats a sample\n",
+                               record.samples, record.held_out_log_loss);
+  if (!record.reliability.empty()) {
+    text += describeReliability(record);
+  }
+  if (!record.feature_importance.empty()) {
+    text += describeImportance(record.feature_importance, names);
+  }
+  return text;
+}
+
+/// Sets what measureHeldOut sets.
+void measure(const std::vector<double>& probabilities, const SampleLabels& samples,
+             TrainingRecord& record) {
+  const std::vector<std::uint8_t> labels = heldOutPart(samples.labels, samples);
+  requireForTraining(!labels.empty(), "no sample is held out to measure the forest on");
+  const auto count = static_cast<double>(labels.size());
+  record.held_out_log_loss = 0;
+  for (std::size_t n = 0; n < labels.size(); ++n) {
+    record.held_out_log_loss += logLoss(probabilities[n], labels[n]) / count;
+  }
+  record.reliability = reliability(probabilities, labels);
+  record.calibration_error = 0;
+  for (const ReliabilityBin& bin : record.reliability) {
+    record.calibration_error +=
+        static_cast<double>(bin.samples) * std::abs(bin.predicted - bin.observed) / count;
+  }
 }
 
 }  // namespace
 
 std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples) {
-  const Columns columns = heldOutColumns(samples);
-  return forest.general_trees.empty() ? askObliviousTrees(forest, columns)
-                                      : walkTrees(forest, columns);
+  return forest.general_trees.empty()
+             ? askTrees(forest, heldOutCodes(samples.features, forest.quantizer.maps, samples))
+             : walkTrees(forest, samples);
+}
+
+std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
+                                         const ConfidenceSamples& samples) {
+  return askTrees(forest, heldOutCodes(samples.features, forest.code_maps, samples));
 }
 
 void measureHeldOut(const Samples& samples, Forest& forest) {
-  const std::vector<std::uint8_t> labels = heldOutLabels(samples);
-  requireForTraining(!labels.empty(), "no sample is held out to measure the forest on");
-  const std::vector<double> probabilities = heldOutProbabilities(forest, samples);
-  const auto count = static_cast<double>(labels.size());
-  ForestProvenance& provenance = forest.provenance;
-  provenance.held_out_log_loss = 0;
-  for (std::size_t n = 0; n < labels.size(); ++n) {
-    provenance.held_out_log_loss += logLoss(probabilities[n], labels[n]) / count;
-  }
-  provenance.reliability = reliability(probabilities, labels);
-  provenance.calibration_error = 0;
-  for (const ReliabilityBin& bin : provenance.reliability) {
-    provenance.calibration_error +=
-        static_cast<double>(bin.samples) * std::abs(bin.predicted - bin.observed) / count;
-  }
+  measure(heldOutProbabilities(forest, samples), samples, forest.provenance);
 }
 
-std::string describeProvenance(const ForestProvenance& provenance) {
+void measureHeldOut(const ConfidenceSamples& samples, ConfidenceForest& forest) {
+  measure(heldOutProbabilities(forest, samples), samples, forest.record);
+}
+
+std::string describeProvenance(const Forest& forest) {
+  const ForestProvenance& provenance = forest.provenance;
   std::string text = provenance.program + "\n" + provenance.data_set + ":";
   for (const std::string& scene : provenance.scenes) {
     text += " " + scene;
   }
   text += "\n" + provenance.options + ", seed " + std::to_string(provenance.seed) + "\n" +
-          formatted("%ld samples, held-out log-loss %.5f nats a sample\n", provenance.samples,
-                    provenance.held_out_log_loss);
-  if (!provenance.reliability.empty()) {
-    text += describeReliability(provenance);
-  }
-  if (!provenance.feature_importance.empty()) {
-    text += describeImportance(provenance.feature_importance);
+          describeRecord(provenance, kFeatureNames);
+  if (forest.confidence != nullptr) {
+    const ConfidenceForest& confidence = *forest.confidence;
+    text += "confidence forest: " + std::to_string(confidence.trees.size()) + " trees, " +
+            confidence.record.options + "\n" +
+            describeRecord(confidence.record, confidence.feature_names);
   }
   return text;
 }

@@ -101,7 +101,7 @@ class RandomForestGrower {
   }
 
   /// Of all splits, by feature.
-  std::array<double, kFeatureCount> gains() const {
+  std::vector<double> gains() const {
     bst_ulong count = 0;
     bst_ulong dimensions = 0;
     const char** names = nullptr;  // "f0", "f1", …: those that are asked for
@@ -109,7 +109,7 @@ class RandomForestGrower {
     const float* scores = nullptr;
     call(XGBoosterFeatureScore(booster_, R"({"importance_type": "total_gain"})", &count, &names,
                                &dimensions, &shape, &scores));
-    std::array<double, kFeatureCount> gains{};
+    std::vector<double> gains(kFeatureCount, 0.0);
     for (bst_ulong k = 0; k < count; ++k) {
       gains.at(std::stoul(names[k] + 1)) = scores[k];
     }

@@ -10,7 +10,7 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest.h"
-#include "cbmv_stereo/training/sampling.h"
+#include "cbmv_stereo/training/sample_labels.h"
 
 namespace cbmv {
 
@@ -27,7 +27,7 @@ inline void requireTreeCount(int trees) {
 }
 
 /// Of the samples that are trained on, and some that are not.
-inline void requireBothClasses(const Samples& samples) {
+inline void requireBothClasses(const SampleLabels& samples) {
   std::array<long, 2> counts{};
   for (long n = 0; n < samples.count(); ++n) {
     counts[samples.labels[n]] += samples.held_out[n] == 1 ? 0 : 1;
@@ -41,9 +41,8 @@ inline void requireBothClasses(const Samples& samples) {
 }
 
 /// The parts of each in their sum.
-inline std::vector<double> shares(const std::array<double, kFeatureCount>& amounts) {
-  const double sum = std::accumulate(amounts.begin(), amounts.end(), 0.0);
-  std::vector<double> parts(amounts.begin(), amounts.end());
+inline std::vector<double> shares(std::vector<double> parts) {
+  const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   for (double& part : parts) {
     part = sum > 0 ? part / sum : 0;
   }

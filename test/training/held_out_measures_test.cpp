@@ -105,7 +105,8 @@ TEST(HeldOutMeasures, NeedHeldOutSamples) {
 }
 
 TEST(HeldOutMeasures, AreDescribedWithTheFeaturesByImportance) {
-  ForestProvenance provenance;
+  Forest forest;
+  ForestProvenance& provenance = forest.provenance;
   provenance.program = "cbmv_train 1";
   provenance.scenes = {"Teddy"};
   provenance.seed = 5;
@@ -113,7 +114,7 @@ TEST(HeldOutMeasures, AreDescribedWithTheFeaturesByImportance) {
   provenance.feature_importance.assign(kFeatureCount, 0);
   provenance.feature_importance[7] = 0.75;
   provenance.feature_importance[3] = 0.25;
-  const std::string text = describeProvenance(provenance);
+  const std::string text = describeProvenance(forest);
   for (const char* part : {"cbmv_train 1", "Teddy", "seed 5", "0.1250   0.2500       77"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }

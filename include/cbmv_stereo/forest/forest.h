@@ -2,45 +2,23 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "cbmv_stereo/confidence/features.h"
+#include "cbmv_stereo/forest/confidence_forest.h"
+#include "cbmv_stereo/forest/oblivious_forest.h"
+#include "cbmv_stereo/forest/training_record.h"
 
 namespace cbmv {
 
-/// Samples that a forest gives about the same probability.
-struct ReliabilityBin {
-  double predicted = 0;  ///< mean probability
-  double observed = 0;   ///< part of them that is correct
-  long samples = 0;
-};
-
 /// Where a forest comes from: for people and for `info`; the method does not read it.
-struct ForestProvenance {
+struct ForestProvenance : TrainingRecord {
   std::string program;              ///< name and version of the trainer
   std::string data_set;             ///< kind and name, no paths
   std::vector<std::string> scenes;  ///< the scenes that were seen in training
-  std::string options;              ///< options of the training, as text
-  long samples = 0;                 ///< training samples
   std::uint64_t seed = 0;
-  double held_out_log_loss = 0;  ///< nats per sample, on samples that were not trained on
-  /// On the same samples, in order of probability; empty: not measured.
-  std::vector<ReliabilityBin> reliability;
-  double calibration_error = 0;  ///< expected: mean over the samples of |predicted − observed|
-  /// Of each feature, the part of what all splits gained, sum 1; empty: not measured.
-  std::vector<double> feature_importance;
-};
-
-/// A tree in which all nodes of a level ask the same question: the answers, one bit a level, are
-/// the number of the leaf.
-struct ObliviousTree {
-  struct Level {
-    std::uint8_t feature = 0;    ///< in [0, kFeatureCount)
-    std::uint8_t threshold = 0;  ///< the level's bit is set where code ≥ threshold
-  };
-  std::vector<Level> levels;        ///< level k gives bit k of the leaf's number
-  std::vector<std::int8_t> leaves;  ///< 2^levels, in units of Forest::leaf_unit of log-odds
 };
 
 /// A binary tree in which each node asks its own question about the value of a feature.
@@ -68,18 +46,15 @@ enum class ForestOutput {
 /// Probability that a hypothesis is correct, from the sum over all trees. The trees are either
 /// oblivious (codes of features, fast: what the node is made for) or general (feature values, as
 /// random forests and XGBoost have them, slow: for research).
-struct Forest {
-  static constexpr int kMaxDepth = 8;  ///< of oblivious trees
-  static constexpr int kMaxTrees = 1024;
-
-  std::string name;             ///< for messages: the file's name without its folder
-  FeatureQuantizer quantizer;   ///< for the oblivious trees
-  double leaf_unit = 1.0 / 32;  ///< log-odds per unit of a leaf of the oblivious trees
-  double bias = 0;              ///< output before any tree
-  std::vector<ObliviousTree> trees;
-  std::vector<DecisionTree> general_trees;       ///< empty unless `trees` is
-  ForestOutput output = ForestOutput::kLogOdds;  ///< of the general trees
+///
+/// A file may hold a second forest, the confidence forest, that was trained on the first one's maps.
+struct Forest : ObliviousForest {
+  std::string name;                              ///< for messages: the file's name without its folder
+  FeatureQuantizer quantizer;                    ///< for the oblivious trees
+  std::vector<DecisionTree> general_trees;       ///< empty unless `trees` is; they share the bias
+  ForestOutput output = ForestOutput::kLogOdds;  ///< of bias and general trees
   ForestProvenance provenance;
+  std::shared_ptr<const ConfidenceForest> confidence;  ///< null: the file has none
 };
 
 }  // namespace cbmv

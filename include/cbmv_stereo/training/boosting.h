@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/training/confidence_samples.h"
 #include "cbmv_stereo/training/sampling.h"
 
 namespace cbmv {
@@ -13,13 +14,18 @@ namespace cbmv {
 /// quantile; logarithms of likelihoods below −16 (probability 1e-7) share the lowest code.
 FeatureQuantizer fitQuantizer(const Samples& samples);
 
+/// A map that spreads values over the codes, linear between their 0.5 % and 99.5 % quantile. There
+/// is at least one value, all are finite.
+CodeMap fitCodeMap(const std::vector<float>& values);
+
 struct BoostingOptions {
   int trees = 64;
   int depth = 6;                  ///< levels a tree, at most Forest::kMaxDepth
   double learning_rate = 0.3;     ///< part of the optimal step that each tree takes
   double regularization = 10.0;   ///< added to a leaf's second derivative
   double leaf_unit = 1.0 / 64.0;  ///< log-odds per unit of a leaf; leaves have 8 bits
-  /// Whose features trees may ask for; a forest of fewer matchers is faster.
+  /// Whose features trees may ask for; a forest of fewer matchers is faster. Says nothing about
+  /// confidence forests.
   MatcherSelection matchers = allMatchers();
 };
 
@@ -36,5 +42,12 @@ using BoostingProgress = std::function<void(int, double)>;
 /// feature_importance: the part of the score gained by each feature's questions.
 Forest trainForest(const Samples& samples, const BoostingOptions& options,
                    const BoostingProgress& progress);
+
+/// The same for a confidence forest, which may ask for all of its features. The result's record
+/// holds samples, held_out_log_loss and feature_importance. Throws Error also if columns and names
+/// do not fit each other or ConfidenceForest::kMaxFeatures, or a value is not finite.
+ConfidenceForest trainConfidenceForest(const ConfidenceSamples& samples,
+                                       const BoostingOptions& options,
+                                       const BoostingProgress& progress);
 
 }  // namespace cbmv

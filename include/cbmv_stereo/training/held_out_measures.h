@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/training/confidence_samples.h"
 #include "cbmv_stereo/training/sampling.h"
 
 namespace cbmv {
@@ -12,6 +13,10 @@ namespace cbmv {
 /// kind, with no rounding to costs.
 std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples);
 
+/// The same by a confidence forest.
+std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
+                                         const ConfidenceSamples& samples);
+
 /// Sets the log-loss, the reliability and the calibration error of the provenance from the held-out
 /// samples: ten bins of probability, each a tenth wide, without those that are empty. The expected
 /// calibration error is the mean over the samples of the distance between their bin's mean
@@ -19,7 +24,11 @@ std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& sa
 /// is held out.
 void measureHeldOut(const Samples& samples, Forest& forest);
 
-/// All of the provenance in lines for people, features sorted by their importance.
-std::string describeProvenance(const ForestProvenance& provenance);
+/// The same of the record of a confidence forest.
+void measureHeldOut(const ConfidenceSamples& samples, ConfidenceForest& forest);
+
+/// All of the provenance of a file in lines for people, features sorted by their importance; that
+/// of the confidence forest behind, if there is one.
+std::string describeProvenance(const Forest& forest);
 
 }  // namespace cbmv

@@ -7,17 +7,15 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/confidence/features.h"
+#include "cbmv_stereo/training/sample_labels.h"
 #include "cbmv_stereo/volume/disparity_range.h"
 #include "cbmv_stereo/volume/search_space.h"
 
 namespace cbmv {
 
 /// Labelled hypotheses: feature values (features.h) and whether the hypothesis is correct.
-struct Samples {
+struct Samples : SampleLabels {
   std::array<std::vector<float>, kFeatureCount> features;  ///< one column a feature
-  std::vector<std::uint8_t> labels;                        ///< 1 correct, 0 wrong
-  std::vector<std::uint8_t> held_out;  ///< 1: for measuring only, 0: to train on
-  long count() const { return static_cast<long>(labels.size()); }
 };
 
 /// A rectified pair with the truth of its left view.
