@@ -9,6 +9,7 @@
 #include "io/bounded_json.h"
 #include "io/crc32_text.h"
 
+#include "cbmv_stereo/forest/confidence_evaluator.h"
 #include "cbmv_stereo/forest/forest_evaluator.h"
 #include "cbmv_stereo/forest/forest_file.h"
 
@@ -36,6 +37,16 @@ void evaluate(const cbmv::ForestEvaluator& evaluator) {
   evaluator.evaluate(lines, kHypotheses, costs.data());
 }
 
+void evaluate(const cbmv::ConfidenceForest& forest) {
+  cbmv::ConfidenceCodes codes(forest);
+  for (std::size_t f = 0; f < forest.code_maps.size(); ++f) {
+    std::int8_t* line = codes.line(static_cast<int>(f));
+    std::iota(line, line + kHypotheses, std::int8_t{-128});
+  }
+  std::vector<float> probabilities(kHypotheses);
+  cbmv::ConfidenceEvaluator(forest).evaluate(codes, kHypotheses, probabilities.data());
+}
+
 /// With the right checksum, which no change of some bytes would hit; unchanged if there is no place
 /// for one.
 std::string withChecksum(const std::string& text) {
@@ -59,6 +70,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const cbmv::Forest forest = cbmv::parseForest(withChecksum(text), "input.forest");
     const cbmv::ForestEvaluator evaluator(forest);
     evaluate(evaluator);
+    if (forest.confidence != nullptr) {
+      evaluate(*forest.confidence);
+    }
     cbmv::forestChecksum(forest);
   });
 }

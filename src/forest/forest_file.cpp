@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
 
 #include "../io/bounded_json.h"
 #include "../io/crc32_text.h"
@@ -15,7 +16,9 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kFormat = "cbmv_stereo forest";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;             ///< the highest
+constexpr int kVersionOfOneForest = 1;  ///< without a confidence forest; older programs read it
+constexpr const char* kConfidence = "confidence_forest";
 constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
@@ -30,6 +33,11 @@ constexpr std::int64_t kLargestNumber = std::numeric_limits<std::int64_t>::max()
 }
 
 constexpr float kLargestThreshold = 1e30F;
+
+/// A fault of the confidence forest, which is not the file's only one.
+Fault ofConfidence(const Fault& fault) {
+  return Fault(std::string("the confidence forest ") + fault.what());
+}
 
 /// CRC-32 of the text of everything that changes the forest's answers.
 std::string checksum(const Json& model) { return crc32Text(model.dump()); }
@@ -64,56 +72,80 @@ Json treesToJson(const std::vector<Tree>& trees) {
   return array;
 }
 
+template <typename Maps>
+void addOblivious(const ObliviousForest& forest, const Maps& maps, Json& model) {
+  model["leaf_unit"] = forest.leaf_unit;
+  model["bias"] = forest.bias;
+  for (const CodeMap& map : maps) {
+    model["code_maps"].push_back({map.scale, map.offset});
+  }
+  model["trees"] = treesToJson(forest.trees);
+}
+
+Json confidenceToJson(const ConfidenceForest& forest) {
+  Json model;
+  model["features"] = forest.feature_names;
+  addOblivious(forest, forest.code_maps, model);
+  if (!forest.sigma_coefficients.empty()) {
+    model["sigma_coefficients"] = forest.sigma_coefficients;
+    model["sigma_bounds_px"] = forest.sigma_bounds_px;
+  }
+  return model;
+}
+
 Json modelToJson(const Forest& forest) {
   Json model;
   model["features"] = kFeatureCount;
-  if (!forest.general_trees.empty()) {
+  if (forest.general_trees.empty()) {
+    addOblivious(forest, forest.quantizer.maps, model);
+  } else {
     model["kind"] = kGeneral;
     model["output"] = forest.output == ForestOutput::kLogOdds ? kLogOdds : kProbability;
     model["bias"] = forest.bias;
     model["trees"] = treesToJson(forest.general_trees);
-    return model;
   }
-  model["leaf_unit"] = forest.leaf_unit;
-  model["bias"] = forest.bias;
-  for (const CodeMap& map : forest.quantizer.maps) {
-    model["code_maps"].push_back({map.scale, map.offset});
+  if (forest.confidence != nullptr) {
+    model[kConfidence] = confidenceToJson(*forest.confidence);
   }
-  model["trees"] = treesToJson(forest.trees);
   return model;
 }
 
 /// What was not measured is left out.
-void addMeasures(const ForestProvenance& provenance, Json& json) {
-  if (!provenance.reliability.empty()) {
-    json["calibration_error"] = provenance.calibration_error;
-    for (const ReliabilityBin& bin : provenance.reliability) {
+template <typename Names>
+void addRecord(const TrainingRecord& record, const Names& feature_names, Json& json) {
+  json["options"] = record.options;
+  json["samples"] = record.samples;
+  json["held_out_log_loss"] = record.held_out_log_loss;
+  if (!record.reliability.empty()) {
+    json["calibration_error"] = record.calibration_error;
+    for (const ReliabilityBin& bin : record.reliability) {
       json["reliability"].push_back({bin.predicted, bin.observed, bin.samples});
     }
   }
-  for (std::size_t f = 0; f < provenance.feature_importance.size(); ++f) {
-    json["feature_importance"][kFeatureNames.at(f)] = provenance.feature_importance[f];
+  for (std::size_t f = 0; f < record.feature_importance.size(); ++f) {
+    json["feature_importance"][feature_names.at(f)] = record.feature_importance[f];
   }
 }
 
-Json provenanceToJson(const ForestProvenance& provenance) {
+Json provenanceToJson(const Forest& forest) {
+  const ForestProvenance& provenance = forest.provenance;
   Json json = {{"program", provenance.program},
                {"data_set", provenance.data_set},
                {"scenes", provenance.scenes},
-               {"options", provenance.options},
-               {"samples", provenance.samples},
-               {"seed", provenance.seed},
-               {"held_out_log_loss", provenance.held_out_log_loss}};
-  addMeasures(provenance, json);
+               {"seed", provenance.seed}};
+  addRecord(provenance, kFeatureNames, json);
+  if (forest.confidence != nullptr) {
+    addRecord(forest.confidence->record, forest.confidence->feature_names, json[kConfidence]);
+  }
   return json;
 }
 
-ObliviousTree treeFromJson(const Json& json) {
+ObliviousTree treeFromJson(const Json& json, std::size_t features) {
   ObliviousTree tree;
   for (const Json& level : json.at("levels")) {
     tree.levels.push_back(
-        {static_cast<std::uint8_t>(
-             integerIn(level.at(0), 0, kFeatureCount - 1, "a tree's feature")),
+        {static_cast<std::uint8_t>(integerIn(
+             level.at(0), 0, static_cast<std::int64_t>(features) - 1, "a tree's feature")),
          static_cast<std::uint8_t>(integerIn(level.at(1), 0, 255, "a tree's threshold"))});
   }
   for (const Json& leaf : json.at("leaves")) {
@@ -122,18 +154,21 @@ ObliviousTree treeFromJson(const Json& json) {
   return tree;
 }
 
-void obliviousFromJson(const Json& model, Forest& forest) {
+/// `maps` has an entry per feature; they come from the file, too.
+template <typename Maps>
+void obliviousFromJson(const Json& model, ObliviousForest& forest, Maps& maps) {
   forest.leaf_unit = model.at("leaf_unit").get<double>();
-  const Json& maps = model.at("code_maps");
-  if (maps.size() != forest.quantizer.maps.size()) {
-    throw Fault("it has " + std::to_string(maps.size()) + " code maps instead of " +
-                std::to_string(kFeatureCount));
+  forest.bias = model.at("bias").get<double>();
+  const Json& pairs = model.at("code_maps");
+  if (pairs.size() != maps.size()) {
+    throw Fault("it has " + std::to_string(pairs.size()) + " code maps instead of " +
+                std::to_string(maps.size()));
   }
   for (std::size_t f = 0; f < maps.size(); ++f) {
-    forest.quantizer.maps[f] = {maps[f].at(0).get<float>(), maps[f].at(1).get<float>()};
+    maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
   }
   for (const Json& tree : model.at("trees")) {
-    forest.trees.push_back(treeFromJson(tree));
+    forest.trees.push_back(treeFromJson(tree, maps.size()));
   }
 }
 
@@ -144,6 +179,7 @@ void generalFromJson(const Json& model, Forest& forest) {
                 "\"");
   }
   forest.output = output == kLogOdds ? ForestOutput::kLogOdds : ForestOutput::kProbability;
+  forest.bias = model.at("bias").get<double>();
   for (const Json& json : model.at("trees")) {
     DecisionTree tree;
     for (const Json& node : json.at("nodes")) {
@@ -157,10 +193,9 @@ void generalFromJson(const Json& model, Forest& forest) {
 
 void modelFromJson(const Json& model, Forest& forest) {
   integerIn(model.at("features"), kFeatureCount, kFeatureCount, "the number of features");
-  forest.bias = model.at("bias").get<double>();
   const std::string kind = model.value("kind", kOblivious);
   if (kind == kOblivious) {
-    obliviousFromJson(model, forest);
+    obliviousFromJson(model, forest, forest.quantizer.maps);
   } else if (kind == kGeneral) {
     generalFromJson(model, forest);
   } else {
@@ -170,20 +205,42 @@ void modelFromJson(const Json& model, Forest& forest) {
 }
 
 /// Forests that were written before there were measures have none.
-void readMeasures(const Json& json, ForestProvenance& provenance) {
+template <typename Names>
+void readRecord(const Json& json, const Names& feature_names, TrainingRecord& record) {
+  record.options = json.at("options").get<std::string>();
+  record.samples = integerIn(json.at("samples"), 0, kLargestNumber, "the number of samples");
+  record.held_out_log_loss = json.at("held_out_log_loss").get<double>();
   if (json.contains("reliability")) {
-    provenance.calibration_error = json.at("calibration_error").get<double>();
+    record.calibration_error = json.at("calibration_error").get<double>();
     for (const Json& bin : json["reliability"]) {
-      provenance.reliability.push_back(
+      record.reliability.push_back(
           {bin.at(0).get<double>(), bin.at(1).get<double>(),
            integerIn(bin.at(2), 0, kLargestNumber, "the number of samples of a bin")});
     }
   }
   if (json.contains("feature_importance")) {
-    for (const char* name : kFeatureNames) {
-      provenance.feature_importance.push_back(json["feature_importance"].at(name).get<double>());
+    for (const auto& name : feature_names) {
+      record.feature_importance.push_back(
+          json["feature_importance"].at(name).template get<double>());
     }
   }
+}
+
+ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
+  ConfidenceForest forest;
+  try {
+    forest.feature_names = model.at("features").get<std::vector<std::string>>();
+    forest.code_maps.resize(forest.feature_names.size());
+    obliviousFromJson(model, forest, forest.code_maps);
+    if (model.contains("sigma_coefficients")) {
+      forest.sigma_coefficients = model["sigma_coefficients"].get<std::vector<double>>();
+      forest.sigma_bounds_px = model.at("sigma_bounds_px").get<std::array<double, 2>>();
+    }
+    readRecord(record, forest.feature_names, forest.record);
+  } catch (const Fault& fault) {
+    throw ofConfidence(fault);
+  }
+  return forest;
 }
 
 std::uint64_t seedFromJson(const Json& json) {
@@ -198,11 +255,8 @@ ForestProvenance provenanceFromJson(const Json& json) {
   provenance.program = json.at("program").get<std::string>();
   provenance.data_set = json.at("data_set").get<std::string>();
   provenance.scenes = json.at("scenes").get<std::vector<std::string>>();
-  provenance.options = json.at("options").get<std::string>();
-  provenance.samples = integerIn(json.at("samples"), 0, kLargestNumber, "the number of samples");
   provenance.seed = seedFromJson(json.at("seed"));
-  provenance.held_out_log_loss = json.at("held_out_log_loss").get<double>();
-  readMeasures(json, provenance);
+  readRecord(json, kFeatureNames, provenance);
   return provenance;
 }
 
@@ -231,9 +285,11 @@ Forest forestFromJson(const Json& json) {
     throw Fault(std::string("has no \"format\": \"") + kFormat + "\", so it is not a forest");
   }
   const auto version = integerIn(json.at("version"), 0, kLargestNumber, "the format version");
-  if (version != kVersion) {
-    throw Fault("has format version " + std::to_string(version) + ", this program reads version " +
-                std::to_string(kVersion));
+  if (version < kVersionOfOneForest || version > kVersion) {
+    throw Fault("has format version " + std::to_string(version) +
+                ", this program reads the versions " + std::to_string(kVersionOfOneForest) +
+                " to " + std::to_string(kVersion) +
+                "; use the version of cbmv_stereo that wrote it, or train the forest again");
   }
   const Json& model = json.at("model");
   const auto stored = json.at("checksum").get<std::string>();
@@ -242,7 +298,12 @@ Forest forestFromJson(const Json& json) {
   }
   Forest forest;
   modelFromJson(model, forest);
-  forest.provenance = provenanceFromJson(json.at("provenance"));
+  const Json& provenance = json.at("provenance");
+  forest.provenance = provenanceFromJson(provenance);
+  if (version > kVersionOfOneForest && model.contains(kConfidence)) {
+    forest.confidence = std::make_shared<const ConfidenceForest>(
+        confidenceFromJson(model[kConfidence], provenance.at(kConfidence)));
+  }
   return forest;
 }
 
@@ -254,7 +315,7 @@ void check(bool good, const Text& fault) {
   }
 }
 
-void checkTree(const ObliviousTree& tree, const std::string& name) {
+void checkTree(const ObliviousTree& tree, std::size_t features, const std::string& name) {
   check(!tree.levels.empty() && tree.levels.size() <= Forest::kMaxDepth,
         name + " has " + std::to_string(tree.levels.size()) + " levels instead of 1 to " +
             std::to_string(Forest::kMaxDepth));
@@ -262,9 +323,8 @@ void checkTree(const ObliviousTree& tree, const std::string& name) {
         name + " has " + std::to_string(tree.leaves.size()) + " leaves for " +
             std::to_string(tree.levels.size()) + " levels");
   for (const ObliviousTree::Level& level : tree.levels) {
-    check(level.feature < kFeatureCount, name + " asks for feature " +
-                                             std::to_string(level.feature) + " of " +
-                                             std::to_string(kFeatureCount));
+    check(level.feature < features, name + " asks for feature " + std::to_string(level.feature) +
+                                        " of " + std::to_string(features));
   }
 }
 
@@ -298,29 +358,89 @@ void checkTree(const DecisionTree& tree, const std::string& name) {
         name + " has more than " + std::to_string(DecisionTree::kMaxDepth) + " levels");
 }
 
-template <typename Tree>
-void checkTrees(const std::vector<Tree>& trees) {
-  check(!trees.empty() && trees.size() <= Forest::kMaxTrees, "has " + std::to_string(trees.size()) +
-                                                                 " trees instead of 1 to " +
-                                                                 std::to_string(Forest::kMaxTrees));
-  for (std::size_t t = 0; t < trees.size(); ++t) {
-    checkTree(trees[t], "tree " + std::to_string(t));
+void checkTreeCount(std::size_t trees, int most) {
+  check(trees > 0 && trees <= static_cast<std::size_t>(most),
+        "has " + std::to_string(trees) + " trees instead of 1 to " + std::to_string(most));
+}
+
+void checkScale(const ObliviousForest& forest) {
+  check(forest.leaf_unit > 0 && forest.leaf_unit < 1e3 && std::abs(forest.bias) < 1e3,
+        "has a leaf unit or bias that is not a number of reasonable size");
+}
+
+/// Trees, scale and maps; `maps` has an entry per feature.
+template <typename Maps>
+void checkOblivious(const ObliviousForest& forest, const Maps& maps, int most_trees) {
+  checkTreeCount(forest.trees.size(), most_trees);
+  for (std::size_t t = 0; t < forest.trees.size(); ++t) {
+    checkTree(forest.trees[t], maps.size(), "tree " + std::to_string(t));
+  }
+  checkScale(forest);
+  for (const CodeMap& map : maps) {
+    check(std::isfinite(map.scale) && std::isfinite(map.offset) && map.scale > 0,
+          "has a code map that is not finite and increasing");
+  }
+}
+
+void checkGeneral(const Forest& forest) {
+  check(forest.trees.empty(), "has both oblivious and general trees");
+  checkTreeCount(forest.general_trees.size(), Forest::kMaxTrees);
+  for (std::size_t t = 0; t < forest.general_trees.size(); ++t) {
+    checkTree(forest.general_trees[t], "tree " + std::to_string(t));
+  }
+  checkScale(forest);
+}
+
+void checkFeatureNames(const std::vector<std::string>& names) {
+  check(!names.empty() && names.size() <= ConfidenceForest::kMaxFeatures,
+        "has " + std::to_string(names.size()) + " features instead of 1 to " +
+            std::to_string(ConfidenceForest::kMaxFeatures));
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    const std::string number = std::to_string(name - names.begin());
+    check(!name->empty(), "has no name for feature " + number);
+    check(std::find(names.begin(), name, *name) == name,
+          "has the name \"" + *name + "\" twice, again for feature " + number);
+  }
+}
+
+void checkSigma(const ConfidenceForest& forest) {
+  const std::vector<double>& coefficients = forest.sigma_coefficients;
+  check(coefficients.size() <= ConfidenceForest::kMaxSigmaCoefficients,
+        "has " + std::to_string(coefficients.size()) + " sigma coefficients instead of 0 to " +
+            std::to_string(ConfidenceForest::kMaxSigmaCoefficients));
+  check(std::all_of(coefficients.begin(), coefficients.end(),
+                    [](double value) { return std::isfinite(value); }),
+        "has a sigma coefficient that is not finite");
+  const auto [lowest, highest] = forest.sigma_bounds_px;
+  check(coefficients.empty() || (lowest > 0 && lowest <= highest && highest < 1e3),
+        "has sigma bounds that are not positive, increasing and below 1000 px");
+}
+
+void checkConfidence(const ConfidenceForest& forest) {
+  try {
+    checkFeatureNames(forest.feature_names);
+    check(forest.code_maps.size() == forest.feature_names.size(),
+          "has " + std::to_string(forest.code_maps.size()) + " code maps instead of " +
+              std::to_string(forest.feature_names.size()));
+    checkOblivious(forest, forest.code_maps, ConfidenceForest::kMaxTrees);
+    checkSigma(forest);
+    const std::size_t importances = forest.record.feature_importance.size();
+    check(importances == 0 || importances == forest.feature_names.size(),
+          "has the importance of " + std::to_string(importances) + " features instead of " +
+              std::to_string(forest.feature_names.size()));
+  } catch (const Fault& fault) {
+    throw ofConfidence(fault);
   }
 }
 
 void checkForest(const Forest& forest) {
-  check(forest.trees.empty() || forest.general_trees.empty(),
-        "has both oblivious and general trees");
   if (forest.general_trees.empty()) {
-    checkTrees(forest.trees);
+    checkOblivious(forest, forest.quantizer.maps, Forest::kMaxTrees);
   } else {
-    checkTrees(forest.general_trees);
+    checkGeneral(forest);
   }
-  check(forest.leaf_unit > 0 && forest.leaf_unit < 1e3 && std::abs(forest.bias) < 1e3,
-        "has a leaf unit or bias that is not a number of reasonable size");
-  for (const CodeMap& map : forest.quantizer.maps) {
-    check(std::isfinite(map.scale) && std::isfinite(map.offset) && map.scale > 0,
-          "has a code map that is not finite and increasing");
+  if (forest.confidence != nullptr) {
+    checkConfidence(*forest.confidence);
   }
 }
 
@@ -360,8 +480,8 @@ void writeForest(const Forest& forest, const std::string& path) {
   validateForest(forest, path);
   const Json model = modelToJson(forest);
   const Json json = {{"format", kFormat},
-                     {"version", kVersion},
-                     {"provenance", provenanceToJson(forest.provenance)},
+                     {"version", forest.confidence == nullptr ? kVersionOfOneForest : kVersion},
+                     {"provenance", provenanceToJson(forest)},
                      {"checksum", checksum(model)},
                      {"model", model}};
   // Indented, the millions of nodes of general trees take more than twice the space.

@@ -1,4 +1,4 @@
-#include "booster.h"
+#include "cbmv_stereo/training/booster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -98,8 +98,8 @@ void Booster::computeDerivatives() {
   for (std::int32_t score = *lowest; score <= *highest; ++score) {
     const double probability = logistic(logOdds(score));
     const std::int32_t second = toFixedPoint(probability * (1 - probability));
-    of_score.push_back({{{toFixedPoint(probability), second},
-                         {toFixedPoint(probability - 1), second}}});
+    of_score.push_back(
+        {{{toFixedPoint(probability), second}, {toFixedPoint(probability - 1), second}}});
   }
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&, first = *lowest](std::size_t c) {
     for (std::size_t n = chunks_[c].begin; n < chunks_[c].end; ++n) {

@@ -8,8 +8,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "booster.h"
 #include "training_checks.h"
+
+#include "cbmv_stereo/training/booster.h"
 
 namespace cbmv {
 namespace {
@@ -82,9 +83,9 @@ void checkColumns(const ConfidenceSamples& samples) {
     requireForTraining(column.size() == samples.labels.size(),
                        name + std::to_string(column.size()) + " values, expected " +
                            std::to_string(samples.labels.size()) + ", one for each label");
-    requireForTraining(std::all_of(column.begin(), column.end(),
-                                   [](float value) { return std::isfinite(value); }),
-                       name + "a value that is not finite");
+    requireForTraining(
+        std::all_of(column.begin(), column.end(), [](float value) { return std::isfinite(value); }),
+        name + "a value that is not finite");
   }
 }
 

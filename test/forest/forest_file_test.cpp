@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -106,7 +107,8 @@ TEST(ForestFile, NamesDamage) {
       {good.substr(0, good.size() / 2), "no valid JSON"},
       {"[1, 2]", "not a forest"},
       {"{\"format\": \"other\"}", "not a forest"},
-      {replaced(good, "\"version\": 1", "\"version\": 2"), "format version 2"},
+      {replaced(good, "\"version\": 1", "\"version\": 0"), "format version 0"},
+      {replaced(good, "\"version\": 1", "\"version\": 3"), "format version 3"},
       {replaced(good, "\"version\": 1,", ""), "missing or misplaced entry"},
       {replaced(good, "\"bias\": -0.25", "\"bias\": -0.26"), "is damaged"},
       {replaced(good, "\"checksum\": \"", "\"checksum\": \"0"), "is damaged"}};
@@ -247,6 +249,106 @@ TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
   EXPECT_THAT(refusalToWrite(both), HasSubstr("both"));
 }
 
+Forest withConfidence(const ConfidenceForest& confidence) {
+  Forest forest = makeForest(3, 4, 2);
+  forest.confidence = std::make_shared<const ConfidenceForest>(confidence);
+  return forest;
+}
+
+TEST(ForestFile, KeepsTheConfidenceForest) {
+  ConfidenceForest confidence = makeConfidenceForest(30, 20, 8, 5);
+  confidence.record.reliability = {{0.05, 0.0625, 12}};
+  confidence.record.calibration_error = 0.0375;
+  confidence.record.feature_importance.assign(30, 1.0 / 32);
+  const Forest forest = withConfidence(confidence);
+  writeForest(forest, pathOf("both"));
+  EXPECT_THAT(contentOf(pathOf("both")), HasSubstr("\"version\": 2"));
+  const Forest read = readForest(pathOf("both"));
+  EXPECT_EQ(read.trees.size(), 3U);
+  EXPECT_EQ(read.provenance.options, forest.provenance.options);
+  ASSERT_NE(read.confidence, nullptr);
+  EXPECT_EQ(read.confidence->feature_names, confidence.feature_names);
+  EXPECT_EQ(read.confidence->sigma_coefficients, confidence.sigma_coefficients);
+  EXPECT_EQ(read.confidence->sigma_bounds_px, confidence.sigma_bounds_px);
+  EXPECT_EQ(read.confidence->record.options, "trees 20");
+  EXPECT_EQ(read.confidence->record.samples, 1234);
+  EXPECT_EQ(read.confidence->record.held_out_log_loss, 0.375);
+  EXPECT_EQ(read.confidence->record.reliability.at(0).samples, 12);
+  EXPECT_EQ(read.confidence->record.calibration_error, 0.0375);
+  EXPECT_EQ(read.confidence->record.feature_importance, confidence.record.feature_importance);
+  EXPECT_EQ(forestChecksum(read), forestChecksum(forest));  // trees, maps, scale
+}
+
+TEST(ForestFile, KeepsTheConfidenceForestOfGeneralTrees) {
+  Forest forest = makeGeneralForest(2, 5, 1);
+  forest.confidence = withConfidence(makeConfidenceForest(2, 1, 1, 1)).confidence;
+  writeForest(forest, pathOf("both"));
+  EXPECT_NE(readForest(pathOf("both")).confidence, nullptr);
+}
+
+/// Programs that know no other version read it.
+TEST(ForestFile, IsOfVersion1WithoutAConfidenceForest) {
+  writeForest(makeForest(2, 3, 1), pathOf("one"));
+  EXPECT_THAT(contentOf(pathOf("one")), HasSubstr("\"version\": 1"));
+  EXPECT_EQ(readForest(pathOf("one")).confidence, nullptr);
+}
+
+TEST(ForestFile, ChecksumCoversTheConfidenceForest) {
+  writeForest(withConfidence(makeConfidenceForest(2, 3, 2, 5)), pathOf("both"));
+  const std::string good = contentOf(pathOf("both"));
+  for (const auto& [from, to] :
+       {std::pair("\"f1\"", "\"f2\""), std::pair("0.75", "0.76"), std::pair("0.0625", "0.0626")}) {
+    writeAll(pathOf("bad"), replaced(good, from, to));
+    EXPECT_THAT(refusal(pathOf("bad")), HasSubstr("is damaged")) << from;
+  }
+}
+
+TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
+  const auto fault = [](const auto& change) {
+    ConfidenceForest confidence = makeConfidenceForest(5, 3, 4, 2);
+    change(confidence);
+    return refusalToWrite(withConfidence(confidence));
+  };
+  using Changed = ConfidenceForest;
+  const auto of_confidence = [](const char* text) {
+    return HasSubstr(std::string("the confidence forest ") + text);
+  };
+  EXPECT_THAT(fault([](Changed& f) { f.feature_names.clear(); }),
+              of_confidence("has 0 features instead of 1 to 64"));
+  EXPECT_THAT(fault([](Changed& f) { f.feature_names.resize(65); }),
+              of_confidence("has 65 features"));
+  EXPECT_THAT(fault([](Changed& f) { f.feature_names[3].clear(); }),
+              of_confidence("has no name for feature 3"));
+  EXPECT_THAT(fault([](Changed& f) { f.feature_names[4] = "f1"; }),
+              of_confidence("has the name \"f1\" twice, again for feature 4"));
+  EXPECT_THAT(fault([](Changed& f) { f.code_maps.pop_back(); }),
+              of_confidence("has 4 code maps instead of 5"));
+  EXPECT_THAT(fault([](Changed& f) { f.code_maps[1].scale = std::nanf(""); }),
+              of_confidence("has a code map"));
+  EXPECT_THAT(fault([](Changed& f) { f.trees.clear(); }), of_confidence("has 0 trees"));
+  EXPECT_THAT(fault([](Changed& f) { f.trees.resize(257, f.trees[0]); }),
+              of_confidence("has 257 trees instead of 1 to 256"));
+  EXPECT_THAT(fault([](Changed& f) { f.trees[1].levels[0].feature = 5; }),
+              of_confidence("tree 1 asks for feature 5 of 5"));
+  EXPECT_THAT(fault([](Changed& f) { f.trees[1].leaves.pop_back(); }),
+              of_confidence("tree 1 has 3 leaves for 2 levels"));
+  EXPECT_THAT(fault([](Changed& f) { f.bias = std::nan(""); }), of_confidence("has a leaf unit"));
+  EXPECT_THAT(fault([](Changed& f) { f.sigma_coefficients.resize(65); }),
+              of_confidence("has 65 sigma coefficients"));
+  EXPECT_THAT(fault([](Changed& f) { f.sigma_coefficients[1] = std::nan(""); }),
+              of_confidence("has a sigma coefficient that is not finite"));
+  for (const std::array<double, 2> bounds :
+       {std::array{0.0, 1.0}, {2.0, 1.0}, {1.0, 1000.0}, {1.0, std::nan("")}}) {
+    EXPECT_THAT(fault([&](Changed& f) { f.sigma_bounds_px = bounds; }),
+                of_confidence("has sigma bounds"));
+  }
+  EXPECT_THAT(fault([](Changed& f) {
+                f.record.feature_importance = {0.5, 0.5};
+              }),
+              of_confidence("has the importance of 2 features instead of 5"));
+  EXPECT_EQ(fault([](Changed& f) { f.sigma_coefficients.clear(); }), "");
+}
+
 /// The sentence that a text is refused with; empty if it is a forest.
 std::string refusalOfText(const std::string& text) {
   try {
@@ -257,10 +359,16 @@ std::string refusalOfText(const std::string& text) {
   }
 }
 
-/// The same of a model, with the checksum that it has.
-std::string refusalOfModel(const std::string& model) {
-  const std::string text =
-      R"({"format": "cbmv_stereo forest", "version": 1, "checksum": "%", "model": )" + model + "}";
+/// The same of a model, with the checksum that it has, in a file of this version.
+std::string refusalOfModel(const std::string& model, int version = 1) {
+  const std::string text = R"({"format": "cbmv_stereo forest", "version": )" +
+                           std::to_string(version) +
+                           R"(, "provenance": {"program": "", "data_set": "", "scenes": [],
+                           "options": "", "samples": 1, "seed": 1, "held_out_log_loss": 0,
+                           "confidence_forest": {"options": "", "samples": 1,
+                                                 "held_out_log_loss": 0}},
+                           "checksum": "%", "model": )" +
+                           model + "}";
   const std::string fault = refusalOfText(text);
   return refusalOfText(replaced(text, "%", fault.substr(fault.size() - 8)));
 }
@@ -281,7 +389,7 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
                           R"(], "trees": [{"levels": [)" + level + R"(], "leaves": [0, )" + leaf +
                           "]}]}");
   };
-  EXPECT_THAT(refusal_of(20, "[19, 255]", "127"), HasSubstr("provenance"));  // all else is right
+  EXPECT_EQ(refusal_of(20, "[19, 255]", "127"), "");
   EXPECT_THAT(refusal_of(19, "[19, 255]", "127"), HasSubstr("19 code maps instead of 20"));
   EXPECT_THAT(refusal_of(21, "[19, 255]", "127"), HasSubstr("21 code maps instead of 20"));
   EXPECT_THAT(refusal_of(20, "[20, 255]", "127"), HasSubstr("feature is 20"));
@@ -289,6 +397,30 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
   EXPECT_THAT(refusal_of(20, "[19, 256]", "127"), HasSubstr("threshold is 256"));
   EXPECT_THAT(refusal_of(20, "[19, 255]", "128"), HasSubstr("leaf is 128"));
   EXPECT_THAT(refusal_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
+}
+
+/// Of the second forest in a file, too.
+TEST(ForestFile, RefusesNumbersThatDoNotFitTheConfidenceForest) {
+  const auto refusal_of = [](const std::string& maps, const std::string& level,
+                             const std::string& rest, int version = 2) {
+    return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
+                              "trees": [{"nodes": [0]}], "confidence_forest": {
+                              "features": ["a", "b"], "bias": 0, "leaf_unit": 1, "code_maps": )" +
+                              maps + R"(, "trees": [{"levels": [)" + level +
+                              R"(], "leaves": [0, 1]}])" + rest + "}}",
+                          version);
+  };
+  const std::string maps = "[[1, 0], [1, 0]]";
+  EXPECT_EQ(refusal_of(maps, "[1, 255]", ""), "");
+  EXPECT_THAT(refusal_of("[[1, 0]]", "[1, 255]", ""), HasSubstr("1 code maps instead of 2"));
+  EXPECT_THAT(refusal_of(maps, "[2, 255]", ""),
+              AllOf(HasSubstr("confidence forest"), HasSubstr("feature is 2")));
+  EXPECT_THAT(refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1])"),
+              HasSubstr("sigma_bounds_px"));
+  EXPECT_THAT(
+      refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1], "sigma_bounds_px": [1]})"),
+      HasSubstr("folder/text"));
+  EXPECT_EQ(refusal_of("[[1, 0]]", "[9, 255]", "", 1), "");  // version 1 has no such entry
 }
 
 /// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.

@@ -3,18 +3,39 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "cbmv_stereo/forest/forest.h"
 
 namespace cbmv::test {
 
-/// A forest of random trees of all depths up to `max_depth`, with maps that spread typical
-/// features.
-inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
+/// Random trees of all depths up to `max_depth`.
+inline std::vector<ObliviousTree> makeObliviousTrees(int trees, int max_depth, int features,
+                                                     std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto draw = [&random](int lowest, int highest) {
     return std::uniform_int_distribution<int>(lowest, highest)(random);
   };
+  std::vector<ObliviousTree> made;
+  for (int t = 0; t < trees; ++t) {
+    ObliviousTree tree;
+    const int depth = 1 + t % max_depth;
+    for (int level = 0; level < depth; ++level) {
+      tree.levels.push_back({static_cast<std::uint8_t>(draw(0, features - 1)),
+                             static_cast<std::uint8_t>(draw(0, 255))});
+    }
+    for (int leaf = 0; leaf < 1 << depth; ++leaf) {
+      tree.leaves.push_back(static_cast<std::int8_t>(draw(-128, 127)));
+    }
+    made.push_back(tree);
+  }
+  return made;
+}
+
+/// A forest of random trees of all depths up to `max_depth`, with maps that spread typical
+/// features.
+inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
   Forest forest;
   forest.name = "random.forest";
   forest.bias = -0.25;
@@ -24,24 +45,32 @@ inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
     const bool cost = f % kFeaturesPerMatcher == kCost;
     forest.quantizer.maps[f] = {cost ? 8.0F : 20.0F, cost ? 40.0F : 250.0F};
   }
-  for (int t = 0; t < trees; ++t) {
-    ObliviousTree tree;
-    const int depth = 1 + t % max_depth;
-    for (int level = 0; level < depth; ++level) {
-      tree.levels.push_back({static_cast<std::uint8_t>(draw(0, kFeatureCount - 1)),
-                             static_cast<std::uint8_t>(draw(0, 255))});
-    }
-    for (int leaf = 0; leaf < 1 << depth; ++leaf) {
-      tree.leaves.push_back(static_cast<std::int8_t>(draw(-128, 127)));
-    }
-    forest.trees.push_back(tree);
+  forest.trees = makeObliviousTrees(trees, max_depth, kFeatureCount, seed);
+  return forest;
+}
+
+/// A confidence forest of the same kind, of features "f0", "f1", ….
+inline ConfidenceForest makeConfidenceForest(int features, int trees, int max_depth,
+                                             std::uint32_t seed) {
+  ConfidenceForest forest;
+  forest.bias = 0.75;
+  forest.leaf_unit = 1.0 / 512;
+  for (int f = 0; f < features; ++f) {
+    forest.feature_names.push_back("f" + std::to_string(f));
+    forest.code_maps.push_back({200.0F + static_cast<float>(f), 1.5F});
   }
+  forest.trees = makeObliviousTrees(trees, max_depth, features, seed);
+  forest.sigma_coefficients = {0.25, -0.125};
+  forest.sigma_bounds_px = {0.0625, 4.0};
+  forest.record.options = "trees " + std::to_string(trees);
+  forest.record.samples = 1234;
+  forest.record.held_out_log_loss = 0.375;
   return forest;
 }
 
 /// Log-odds of one hypothesis, tree by tree, question by question.
 template <typename CodeOf>
-double naiveLogOdds(const Forest& forest, const CodeOf& code_of) {
+double naiveLogOdds(const ObliviousForest& forest, const CodeOf& code_of) {
   double log_odds = forest.bias;
   for (const ObliviousTree& tree : forest.trees) {
     int leaf = 0;

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include "support/checkerboard_samples.h"
+#include "support/error_text.h"
 #include "support/random_forest.h"
-
-#include "cbmv_stereo/error.h"
 
 namespace cbmv::test {
 namespace {
@@ -126,6 +127,81 @@ TEST(Boosting, DoesNotDependOnThreads) {
   for (std::size_t t = 0; t < one.trees.size(); ++t) {
     EXPECT_EQ(one.trees[t].leaves, four.trees[t].leaves);
   }
+}
+
+/// The same samples for a confidence forest, without the columns behind `features`.
+ConfidenceSamples confidenceSamples(const Samples& samples, int features) {
+  ConfidenceSamples chosen;
+  static_cast<SampleLabels&>(chosen) = samples;
+  for (int f = 0; f < features; ++f) {
+    chosen.feature_names.push_back("f" + std::to_string(f));
+    chosen.features.push_back(samples.features[f]);
+  }
+  return chosen;
+}
+
+TEST(Boosting, SpreadsValuesOverTheCodes) {
+  std::vector<float> values;
+  for (int n = 0; n <= 1000; ++n) {
+    values.push_back(static_cast<float>((n * 8) % 1001));  // 0 … 1000 in some order
+  }
+  const CodeMap map = fitCodeMap(values);
+  EXPECT_NEAR(map.scale * 5 + map.offset, 1, 1e-3);
+  EXPECT_NEAR(map.scale * 995 + map.offset, 255, 1e-3);
+  EXPECT_GT(fitCodeMap({3.0F}).scale, 0);
+}
+
+/// As many features as labels hang on, of any number.
+TEST(Boosting, TrainsConfidenceForests) {
+  BoostingOptions options;
+  options.trees = 12;
+  options.depth = 3;
+  options.matchers.reset();  // says nothing about confidence forests
+  const ConfidenceForest forest =
+      trainConfidenceForest(confidenceSamples(checkerboard(20000), 16), options, ignoreProgress);
+  EXPECT_EQ(forest.feature_names.at(15), "f15");
+  EXPECT_EQ(forest.code_maps.size(), 16U);
+  EXPECT_EQ(forest.leaf_unit, options.leaf_unit);
+  EXPECT_EQ(forest.record.samples, 20000);
+  const double entropy = -0.9 * std::log(0.9) - 0.1 * std::log(0.1);
+  EXPECT_NEAR(forest.record.held_out_log_loss, entropy, 0.02);
+  ASSERT_EQ(forest.record.feature_importance.size(), 16U);
+  EXPECT_GT(forest.record.feature_importance[2], 0.3);
+  EXPECT_GT(forest.record.feature_importance[15], 0.3);
+  const auto probability = [&](float f2, float f15) {
+    const double log_odds = naiveLogOdds(forest, [&](int f) {
+      const CodeMap& map = forest.code_maps[f];
+      return std::floor(map.scale * (f == 2 ? f2 : f == 15 ? f15 : 0.3F) + map.offset);
+    });
+    return 1 / (1 + std::exp(-log_odds));
+  };
+  EXPECT_NEAR(probability(0.7F, 0.2F), 0.9, 0.03);
+  EXPECT_NEAR(probability(0.2F, 0.2F), 0.1, 0.03);
+}
+
+TEST(Boosting, NamesWhatIsWrongWithSamplesOfConfidence) {
+  const auto fault = [](const auto& change) {
+    ConfidenceSamples samples = confidenceSamples(checkerboard(100), 3);
+    BoostingOptions options;
+    change(samples, options);
+    return errorText([&] { trainConfidenceForest(samples, options, ignoreProgress); });
+  };
+  using Changed = ConfidenceSamples;
+  EXPECT_TRUE(mentions(fault([](Changed& s, auto&) { s.feature_names.pop_back(); }),
+                       {"3 columns", "2 names"}));
+  EXPECT_TRUE(mentions(fault([](Changed& s, auto&) {
+                         s.features.resize(65, s.features[0]);
+                         s.feature_names.resize(65);
+                       }),
+                       {"65 columns", "1 to 64"}));
+  EXPECT_TRUE(mentions(fault([](Changed& s, auto&) { s.held_out.pop_back(); }),
+                       {"100 labels", "99 marks"}));
+  EXPECT_TRUE(mentions(fault([](Changed& s, auto&) { s.features[1].pop_back(); }),
+                       {"\"f1\" has 99 values", "100"}));
+  EXPECT_TRUE(mentions(fault([](Changed& s, auto&) { s.features[2][50] = std::nanf(""); }),
+                       {"\"f2\"", "not finite"}));
+  EXPECT_TRUE(mentions(fault([](Changed&, auto& o) { o.trees = 257; }), {"256 trees", "257"}));
+  EXPECT_TRUE(mentions(fault([](Changed&, auto& o) { o.depth = 9; }), {"depth"}));
 }
 
 TEST(Boosting, RefusesImpossibleOptions) {

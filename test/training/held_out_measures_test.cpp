@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,33 @@ TEST(HeldOutMeasures, CountsWhatIsCorrectInEachBin) {
   EXPECT_NEAR(provenance.held_out_log_loss, -(5 * std::log(0.75) + 3 * std::log(0.25)) / 8, 1e-9);
 }
 
+/// Two codes, two answers.
+ConfidenceForest confidenceStump() {
+  ConfidenceForest forest = makeConfidenceForest(1, 1, 1, 1);
+  forest.code_maps = {{100, 0}};
+  forest.bias = 0;
+  forest.leaf_unit = std::log(3.0);
+  forest.trees[0] = {{{0, 50}}, {-1, 1}};  // 0.25 or 0.75
+  return forest;
+}
+
+TEST(HeldOutMeasures, AreTheSameOfAConfidenceForest) {
+  const Samples samples = samplesOf({0, 1, 0, 0, 1}, {1, 1, 0});
+  ConfidenceSamples same;
+  static_cast<SampleLabels&>(same) = samples;
+  same.feature_names = {"f0"};
+  same.features = {samples.features[0]};
+  ConfidenceForest confidence = confidenceStump();
+  EXPECT_NEAR(heldOutProbabilities(confidence, same).at(0), 0.25, 1e-12);
+  measureHeldOut(same, confidence);
+  Forest forest = stump();
+  measureHeldOut(samples, forest);
+  EXPECT_NEAR(confidence.record.held_out_log_loss, forest.provenance.held_out_log_loss, 1e-12);
+  EXPECT_NEAR(confidence.record.calibration_error, forest.provenance.calibration_error, 1e-12);
+  ASSERT_EQ(confidence.record.reliability.size(), 2U);
+  EXPECT_EQ(confidence.record.reliability[1].samples, 3);
+}
+
 TEST(HeldOutMeasures, NeedHeldOutSamples) {
   Forest forest = stump();
   Samples samples = samplesOf({0, 1}, {1});
@@ -122,6 +150,19 @@ TEST(HeldOutMeasures, AreDescribedWithTheFeaturesByImportance) {
   EXPECT_LT(text.find("census_log_likelihood_low "), text.find("census_cost "));
   EXPECT_THAT(text, HasSubstr("75.00 %"));
   EXPECT_THAT(text, HasSubstr("sobel_sad_log_likelihood_high "));
+  EXPECT_EQ(text.find("confidence forest"), std::string::npos);
+}
+
+TEST(HeldOutMeasures, AreDescribedOfBothForestsOfAFile) {
+  ConfidenceForest confidence = confidenceStump();
+  confidence.record.feature_importance = {1.0};
+  Forest forest;
+  forest.confidence = std::make_shared<const ConfidenceForest>(confidence);
+  const std::string text = describeProvenance(forest);
+  for (const char* part :
+       {"confidence forest: 1 trees, trees 1", "1234 samples", "f0 ", "100.00 %"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
 }
 
 }  // namespace

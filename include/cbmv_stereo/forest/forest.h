@@ -47,11 +47,12 @@ enum class ForestOutput {
 /// oblivious (codes of features, fast: what the node is made for) or general (feature values, as
 /// random forests and XGBoost have them, slow: for research).
 ///
-/// A file may hold a second forest, the confidence forest, that was trained on the first one's maps.
+/// A file may hold a second forest, the confidence forest, that was trained on the first one's
+/// maps.
 struct Forest : ObliviousForest {
-  std::string name;                              ///< for messages: the file's name without its folder
-  FeatureQuantizer quantizer;                    ///< for the oblivious trees
-  std::vector<DecisionTree> general_trees;       ///< empty unless `trees` is; they share the bias
+  std::string name;                         ///< for messages: the file's name without its folder
+  FeatureQuantizer quantizer;               ///< for the oblivious trees
+  std::vector<DecisionTree> general_trees;  ///< empty unless `trees` is; they share the bias
   ForestOutput output = ForestOutput::kLogOdds;  ///< of bias and general trees
   ForestProvenance provenance;
   std::shared_ptr<const ConfidenceForest> confidence;  ///< null: the file has none
