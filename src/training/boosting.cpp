@@ -119,9 +119,9 @@ Forest trainForest(const Samples& samples, const BoostingOptions& options,
   requireForTraining(options.matchers.any(), "no matcher is left whose features trees may ask for");
   Forest forest;
   forest.quantizer = fitQuantizer(samples);
-  std::vector<bool> asked;
+  std::vector<bool> asked(kFeatureCount);
   for (int f = 0; f < kFeatureCount; ++f) {
-    asked.push_back(options.matchers[f / kFeaturesPerMatcher]);
+    asked[f] = options.matchers[f / kFeaturesPerMatcher];
   }
   Booster booster(codesOf(samples.features, forest.quantizer.maps), asked, samples, options);
   grow(booster, samples.count(), options, progress, forest, forest.provenance);
