@@ -19,7 +19,7 @@ if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
                         INTERFACE_INCLUDE_DIRECTORIES ${TBB_INCLUDE_DIR})
 endif()
 
-set(CBMV_STAGES input rectification matching confidence forest volume search optimization refinement pipeline
+set(CBMV_STAGES input rectification matching confidence forest volume search optimization refinement selection pipeline
     output io evaluation)
 set(CBMV_SOURCES)
 foreach(stage ${CBMV_STAGES})

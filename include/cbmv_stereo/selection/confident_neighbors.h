@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace cbmv {
+
+/// Where a disparity may be taken from.
+enum class Source : std::uint8_t { kPixel, kLeft, kRight, kAbove, kBelow };
+inline constexpr int kSources = 5;
+
+/// Disparities of the nearest confident pixels of a row, per column.
+struct NeighborRow {
+  const std::int16_t* disparity;  ///< kNoNeighbor where there is none
+  const std::uint8_t* distance;   ///< px, at most 255
+};
+
+/// The nearest pixels on the left, on the right, above and below whose confidence is at least
+/// kConfident; a confident pixel is its own nearest one. Holds its memory from map to map.
+class ConfidentNeighbors {
+ public:
+  static constexpr std::uint8_t kConfident = 153;  ///< of 255: 0.6
+  static constexpr std::int16_t kNoNeighbor = INT16_MIN;
+
+  /// Memory for the neighbors on a row.
+  struct RowMemory {
+    std::vector<std::int16_t> left;
+    std::vector<std::int16_t> right;
+    std::vector<std::uint8_t> left_distance;
+    std::vector<std::uint8_t> right_distance;
+  };
+
+  /// `disparity` is CV_16SC1, `confidence` CV_8UC1; both must stay as they are. Parallel over
+  /// columns by oneTBB.
+  void find(const cv::Mat& disparity, const cv::Mat& confidence);
+
+  NeighborRow above(int y) const { return row(above_, above_distance_, y); }
+  NeighborRow below(int y) const { return row(below_, below_distance_, y); }
+  /// Neighbors on row `y`, in `memory`.
+  void findOnRow(int y, RowMemory& memory) const;
+
+ private:
+  static NeighborRow row(const cv::Mat& disparity, const cv::Mat& distance, int y) {
+    return {disparity.ptr<std::int16_t>(y), distance.ptr<std::uint8_t>(y)};
+  }
+
+  cv::Mat disparity_;
+  cv::Mat confidence_;
+  cv::Mat above_;
+  cv::Mat above_distance_;
+  cv::Mat below_;
+  cv::Mat below_distance_;
+};
+
+}  // namespace cbmv

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <opencv2/core.hpp>
+
+#include "cbmv_stereo/forest/forest.h"
+#include "cbmv_stereo/selection/map_confidence.h"
+#include "cbmv_stereo/selection/selection_features.h"
+
+namespace cbmv {
+
+/// The maps that the second forest changes (see StereoResult).
+struct SelectedMaps {
+  cv::Mat& disparity;        ///< CV_32FC1
+  cv::Mat& confidence;       ///< CV_32FC1
+  cv::Mat& disparity_sigma;  ///< CV_32FC1; becomes empty where the forest has no model of it
+};
+
+/// Last stage: replaces disparities that are probably wrong by those of confident neighbors, and
+/// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
+/// with pixels in place of scan lines as sources of proposals.
+///
+/// The confidence forest judges each pixel. Where it gives less than ConfidentNeighbors::kConfident,
+/// the nearest confident pixels on the left, on the right, above and below propose their
+/// disparities, and the selection forest judges these and the pixel's own. The most probable one is
+/// taken, the pixel's own on ties, and its probability becomes the confidence.
+///
+/// Holds its memory from pair to pair, so one object serves one pair at a time.
+class MapSelector {
+ public:
+  /// Of a forest that has a confidence forest; without a selection forest no disparity is replaced.
+  /// Throws Error if features differ (requireFeatures).
+  explicit MapSelector(std::shared_ptr<const Forest> forest);
+
+  /// `maps` are those in `judged` and share their memory. Pixels without a disparity get one only
+  /// with `fill`; their confidence is 0 otherwise. Parallel over rows by oneTBB; the result depends
+  /// neither on the instruction set nor on the number of threads nor on earlier pairs.
+  void select(const JudgedMaps& judged, bool fill, const SelectedMaps& maps);
+
+ private:
+  struct Row {
+    SelectionFeatures features;
+    SelectionFeatures::Proposals proposals{};
+    ConfidenceCodes codes;
+    alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
+  };
+
+  void fillRow(int y, float invalid, const SelectedMaps& maps) const;
+  void selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps, Row& row);
+  void choose(int y, int x, const Row& row, int i, const SelectedMaps& maps) const;
+
+  std::shared_ptr<const Forest> forest_;
+  MapConfidence confidence_;
+  std::optional<ConfidenceEvaluator> evaluator_;  ///< of the selection forest
+  ConfidencePlanes planes_;
+  PerThread<Row> rows_;
+};
+
+}  // namespace cbmv

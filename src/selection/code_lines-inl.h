@@ -1,0 +1,99 @@
+// Loops that turn values of a row into codes, bytes minus 128. Plain loops, which the compiler
+// turns into vector code for each instruction set. Included once per instruction set.
+#if defined(CBMV_SELECTION_CODE_LINES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef CBMV_SELECTION_CODE_LINES_INL_H
+#undef CBMV_SELECTION_CODE_LINES_INL_H
+#else
+#define CBMV_SELECTION_CODE_LINES_INL_H
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+
+#include <hwy/highway.h>
+
+#include "cbmv_stereo/selection/cell_grid.h"
+#include "cbmv_stereo/selection/map_planes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE std::int8_t asCode(std::int32_t value) { return static_cast<std::int8_t>(value - 128); }
+
+/// compressed() without branches.
+HWY_INLINE std::int32_t compress(std::int32_t value) {
+  return std::min(value, 128) + std::min(std::max(value - 128, 0) >> 4, 127);
+}
+
+/// A 25th of a sum over 5 × 5 pixels, rounded down, up to 2^16.
+HWY_INLINE std::int32_t meanOf25(std::int32_t sum) { return (sum * 10486) >> 18; }
+
+HWY_INLINE void codeBytes(const std::uint8_t* values, int count, std::int8_t* codes) {
+  for (int x = 0; x < count; ++x) {
+    codes[x] = asCode(values[x]);
+  }
+}
+
+HWY_INLINE void codeMeans(const std::int32_t* sums, int count, std::int8_t* codes) {
+  for (int x = 0; x < count; ++x) {
+    codes[x] = asCode(meanOf25(sums[x]));
+  }
+}
+
+/// Of values up to 255 per cell; `cells` begins at the first pixel's.
+HWY_INLINE void codeCells(const std::int32_t* cells, int count, std::int8_t* codes) {
+  const int whole = count / CellGrid::kCellPx;
+  for (int cell = 0; cell < whole; ++cell) {
+    const std::uint32_t four = static_cast<std::uint8_t>(asCode(cells[cell])) * 0x01010101U;
+    std::memcpy(codes + cell * CellGrid::kCellPx, &four, sizeof(four));
+  }
+  for (int x = whole * CellGrid::kCellPx; x < count; ++x) {
+    codes[x] = asCode(cells[whole]);
+  }
+}
+
+/// The same of margins.
+HWY_INLINE void codeCompressedCells(const std::int32_t* cells, int count, std::int8_t* codes) {
+  const int whole = count / CellGrid::kCellPx;
+  for (int cell = 0; cell < whole; ++cell) {
+    const std::uint32_t four =
+        static_cast<std::uint8_t>(asCode(compress(cells[cell]))) * 0x01010101U;
+    std::memcpy(codes + cell * CellGrid::kCellPx, &four, sizeof(four));
+  }
+  for (int x = whole * CellGrid::kCellPx; x < count; ++x) {
+    codes[x] = asCode(compress(cells[whole]));
+  }
+}
+
+/// Distance of disparities from the means of their cells.
+HWY_INLINE void codeCellDeviations(const std::int16_t* disparity, const std::int32_t* cells,
+                                   int count, std::int8_t* codes) {
+  constexpr int kCell = CellGrid::kCellPx;
+  const int whole = count / kCell;
+  for (int cell = 0; cell < whole; ++cell) {
+    for (int i = 0; i < kCell; ++i) {
+      const int x = cell * kCell + i;
+      codes[x] = asCode(compress(std::abs(disparity[x] - cells[cell])));
+    }
+  }
+  for (int x = whole * kCell; x < count; ++x) {
+    codes[x] = asCode(compress(std::abs(disparity[x] - cells[whole])));
+  }
+}
+
+/// Column of the match relative to the left border of the right image; `x` is the first pixel's.
+HWY_INLINE void codeBorder(const std::int16_t* disparity, int x, int count, std::int8_t* codes) {
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t inside = x + i - (disparity[i] >> 3) + 5;
+    codes[i] = asCode(3 * std::min(std::max(inside, 0), 84));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,162 @@
+#include "cbmv_stereo/selection/map_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#ifndef CBMV_MAP_PLANES_ONCE
+#define CBMV_MAP_PLANES_ONCE
+namespace cbmv {
+namespace {
+
+constexpr int kUnmatchedCode = 250;
+constexpr int kRoughnessPerUnit = 8;
+constexpr int kHighestStep = 31;  ///< in units of the disparity plane
+constexpr int kUnknownDifference = 255;
+
+/// One row of the maps and of the planes.
+struct PlaneRow {
+  int width;
+  float right_invalid;
+  const float* disparity;
+  const float* disparity_below;
+  const float* right_disparity;  ///< null: not known
+  const std::uint8_t* labels;
+  const float* probability;
+  const std::uint16_t* margin_in;
+  std::uint8_t* unmatched;
+  std::uint8_t* probability_out;
+  std::uint16_t* margin;
+  std::uint8_t* roughness;
+  std::int16_t* plane;
+  std::uint8_t* left_right;
+};
+
+}  // namespace
+}  // namespace cbmv
+#endif
+
+// Plain loops, which the compiler turns into vector code for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "selection/map_planes.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace cbmv {
+namespace HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE std::int32_t planeUnits(float disparity) {
+  const float units = disparity * kPlaneUnitsPerPx;
+  return static_cast<std::int32_t>(units < 0 ? units - 0.5F : units + 0.5F);
+}
+
+/// Steps from each pixel to the one on its right and the one below.
+void fillRoughness(const PlaneRow& row) {
+  for (int x = 0; x < row.width; ++x) {
+    const int right = std::min(x + 1, row.width - 1);
+    const float step = std::abs(row.disparity[right] - row.disparity[x]) +
+                       std::abs(row.disparity_below[x] - row.disparity[x]);
+    const auto units = static_cast<std::int32_t>(
+        std::min(step * kPlaneUnitsPerPx, static_cast<float>(kHighestStep)));
+    row.roughness[x] = static_cast<std::uint8_t>(units * kRoughnessPerUnit);
+  }
+}
+
+void fillLeftRight(const PlaneRow& row) {
+  if (row.right_disparity == nullptr) {
+    std::fill_n(row.left_right, row.width, std::uint8_t{kUnknownDifference});
+    return;
+  }
+  for (int x = 0; x < row.width; ++x) {
+    const int match = x - ((row.plane[x] + kPlaneUnitsPerPx / 2) >> 3);
+    const int column = std::clamp(match, 0, row.width - 1);
+    const float other = row.right_disparity[column];
+    const float difference =
+        std::min(std::abs(row.disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
+    const bool is_known = match == column && other != row.right_invalid;
+    row.left_right[x] =
+        static_cast<std::uint8_t>(is_known ? static_cast<int>(difference) : kUnknownDifference);
+  }
+}
+
+void fillPlanes(const PlaneRow& row) {
+  for (int x = 0; x < row.width; ++x) {
+    const bool is_unmatched = row.labels[x] != 0;
+    row.unmatched[x] = static_cast<std::uint8_t>(is_unmatched ? kUnmatchedCode : 0);
+    row.probability_out[x] =
+        static_cast<std::uint8_t>(static_cast<std::int32_t>(row.probability[x] * 255.0F + 0.5F));
+    row.margin[x] = std::min<std::uint16_t>(row.margin_in[x], kHighestMargin);
+    row.plane[x] = static_cast<std::int16_t>(planeUnits(row.disparity[x]));
+  }
+  fillRoughness(row);
+  fillLeftRight(row);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace cbmv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cbmv {
+namespace {
+
+HWY_EXPORT(fillPlanes);
+
+}  // namespace
+
+void MapPlanes::prepare(const JudgedMaps& maps) {
+  const cv::Size size = maps.disparity.size();
+  CV_Assert(maps.disparity.type() == CV_32FC1 && maps.probability.type() == CV_32FC1);
+  CV_Assert(maps.labels.type() == CV_8UC1 && maps.margin.type() == CV_16UC1);
+  CV_Assert(maps.labels.size() == size && maps.probability.size() == size);
+  CV_Assert(maps.margin.size() == size);
+  for (cv::Mat* plane : {&unmatched, &probability, &roughness, &left_right}) {
+    plane->create(size, CV_8UC1);
+  }
+  margin.create(size, CV_16UC1);
+  disparity.create(size, CV_16SC1);
+  tbb::parallel_for(0, size.height, [&](int y) { fillRow(maps, y); });
+  sumWindows();
+}
+
+void MapPlanes::fillRow(const JudgedMaps& maps, int y) {
+  const int below = std::min(y + 1, maps.disparity.rows - 1);
+  const PlaneRow row{
+      maps.disparity.cols,
+      maps.range.invalid(),
+      maps.disparity.ptr<float>(y),
+      maps.disparity.ptr<float>(below),
+      maps.right_disparity.empty() ? nullptr : maps.right_disparity.ptr<float>(y),
+      maps.labels.ptr<std::uint8_t>(y),
+      maps.probability.ptr<float>(y),
+      maps.margin.ptr<std::uint16_t>(y),
+      unmatched.ptr<std::uint8_t>(y),
+      probability.ptr<std::uint8_t>(y),
+      margin.ptr<std::uint16_t>(y),
+      roughness.ptr<std::uint8_t>(y),
+      disparity.ptr<std::int16_t>(y),
+      left_right.ptr<std::uint8_t>(y),
+  };
+  HWY_DYNAMIC_DISPATCH(fillPlanes)(row);
+}
+
+void MapPlanes::sumWindows() {
+  const auto sum = [&](const cv::Mat& plane, cv::Mat Windows::*means) {
+    grid_.sum(plane);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      grid_.windowMeans(kWindowCells[i], windows[i].*means);
+    }
+  };
+  sum(unmatched, &Windows::unmatched);
+  sum(probability, &Windows::probability);
+  sum(margin, &Windows::margin);
+  sum(roughness, &Windows::roughness);
+  sum(disparity, &Windows::disparity);
+}
+
+}  // namespace cbmv
+#endif  // HWY_ONCE

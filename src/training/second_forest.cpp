@@ -1,0 +1,257 @@
+#include "cbmv_stereo/training/second_forest.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/training/boosting.h"
+#include "cbmv_stereo/training/held_out_measures.h"
+#include "cbmv_stereo/training/judged_scene.h"
+
+namespace cbmv {
+namespace {
+
+/// Of the absolute errors of a normal distribution, within one standard deviation.
+constexpr double kOneSigmaShare = 0.6827;
+constexpr std::size_t kFewestErrors = 200;  ///< of a bin that has a standard deviation of its own
+
+bool startsWith(const std::string& text, const std::string& start) {
+  return text.compare(0, start.size(), start) == 0;
+}
+
+template <typename Value>
+Value quantile(std::vector<Value>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
+                                       share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+bool hasBothClasses(const ConfidenceSamples& samples) {
+  std::array<std::array<long, 2>, 2> counts{};
+  for (std::size_t i = 0; i < samples.labels.size(); ++i) {
+    ++counts[samples.held_out[i]][samples.labels[i]];
+  }
+  return counts[0][0] > 0 && counts[0][1] > 0 && counts[1][0] + counts[1][1] > 0;
+}
+
+/// The cross-fitting of one training.
+class SecondForestTrainer {
+ public:
+  SecondForestTrainer(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                      const TrainingProgress& progress)
+      : scenes_(scenes), options_(options), progress_(progress) {
+    std::vector<std::string> names;
+    names.reserve(scenes.size());
+    for (const SceneReference& scene : scenes) {
+      names.push_back(scene.scene);
+    }
+    group_of_ = crossFittingGroups(names, options.second.groups);
+    groups_ = names.empty() ? 0 : 1 + *std::max_element(group_of_.begin(), group_of_.end());
+  }
+
+  void train(Forest& forest) {
+    if (groups_ < 2) {
+      report("no confidence forest: it needs scenes of at least two groups");
+      return;
+    }
+    matchGroups();
+    const ConfidenceSamples samples = confidenceSamples(kNoGroup);
+    if (!hasBothClasses(samples)) {
+      report("no confidence forest: the scenes have no correct or no wrong disparities");
+      return;
+    }
+    const std::vector<ConfidenceForest> crossed = crossConfidenceForests();
+    ConfidenceForest confidence = grow("confidence forest", samples, options_.second.confidence);
+    fitSigma(crossed, samples, confidence);
+    forest.confidence = std::make_shared<const ConfidenceForest>(std::move(confidence));
+    const ConfidenceSamples proposals = selectionSamples(crossed);
+    if (hasBothClasses(proposals)) {
+      forest.selection = std::make_shared<const ConfidenceForest>(
+          grow("selection forest", proposals, options_.second.selection));
+    }
+  }
+
+ private:
+  static constexpr int kNoGroup = -1;
+
+  /// The maps of a scene by one preset.
+  struct Judged {
+    JudgedScene scene;
+    int group;
+    std::uint64_t seed;
+  };
+
+  void report(const std::string& line) const { progress_({"second forest", 0, 1, line}); }
+
+  void matchGroups() {
+    for (int group = 0; group < groups_; ++group) {
+      std::vector<SceneReference> others;
+      for (std::size_t i = 0; i < scenes_.size(); ++i) {
+        if (group_of_[i] != group) {
+          others.push_back(scenes_[i]);
+        }
+      }
+      report("second forest: first forest without group " + std::to_string(group + 1) + " of " +
+             std::to_string(groups_));
+      const auto first = std::make_shared<const Forest>(
+          trainOnSamples(drawSamples(others, options_, progress_), others, options_, progress_));
+      for (const StereoOptions& preset : options_.second.matching) {
+        matchScenes(group, first, preset);
+      }
+    }
+  }
+
+  void matchScenes(int group, const std::shared_ptr<const Forest>& first,
+                   const StereoOptions& preset) {
+    StereoMatcher matcher(first, preset);
+    for (std::size_t i = 0; i < scenes_.size(); ++i) {
+      if (group_of_[i] != group) {
+        continue;
+      }
+      const StereoScene scene = scenes_[i].read();
+      StereoOptions options = preset;
+      options.range = {0, scene.calibration.disparities};
+      matcher.setOptions(options);
+      judged_.push_back({{matcher.match(scene.left, scene.right), scene.truth},
+                         group,
+                         options_.seed + i});
+    }
+  }
+
+  /// Of all scenes but those of `left_out`.
+  ConfidenceSamples confidenceSamples(int left_out) const {
+    ConfidenceSamples samples;
+    for (const Judged& judged : judged_) {
+      if (judged.group != left_out) {
+        appendConfidenceSamples(judged.scene, options_.second.pixels_per_scene, judged.seed,
+                                samples);
+      }
+    }
+    return samples;
+  }
+
+  std::vector<ConfidenceForest> crossConfidenceForests() const {
+    std::vector<ConfidenceForest> forests;
+    for (int group = 0; group < groups_; ++group) {
+      forests.push_back(
+          grow("confidence forest without group " + std::to_string(group + 1),
+               confidenceSamples(group), options_.second.confidence));
+    }
+    return forests;
+  }
+
+  ConfidenceSamples selectionSamples(const std::vector<ConfidenceForest>& crossed) const {
+    ConfidenceSamples samples;
+    for (const Judged& judged : judged_) {
+      appendSelectionSamples(judged.scene, crossed[judged.group], options_.second.pixels_per_scene,
+                             judged.seed, samples);
+    }
+    return samples;
+  }
+
+  ConfidenceForest grow(const std::string& name, const ConfidenceSamples& samples,
+                        const BoostingOptions& boosting) const {
+    ConfidenceForest forest =
+        trainConfidenceForest(samples, boosting, [&](int tree, double log_loss) {
+          std::ostringstream line;
+          if (tree == boosting.trees) {
+            line << name << ": " << tree << " trees, " << samples.count()
+                 << " samples, held-out log-loss " << log_loss;
+          }
+          progress_({name, tree, boosting.trees, line.str()});
+        });
+    measureHeldOut(samples, forest);
+    std::ostringstream text;
+    text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
+         << boosting.learning_rate << ", groups " << groups_ << ", pixels per scene "
+         << options_.second.pixels_per_scene << ", presets " << options_.second.matching.size();
+    forest.record.options = text.str();
+    return forest;
+  }
+
+  void fitSigma(const std::vector<ConfidenceForest>& crossed, const ConfidenceSamples& samples,
+                ConfidenceForest& forest) const;
+
+  const std::vector<SceneReference>& scenes_;
+  const TrainingOptions& options_;
+  const TrainingProgress& progress_;
+  std::vector<int> group_of_;
+  int groups_ = 0;
+  std::vector<Judged> judged_;
+};
+
+/// Absolute errors of correct disparities, by the bins of the model.
+using ErrorBins = std::vector<std::vector<float>>;
+
+void collectErrors(const JudgedScene& scene, const ConfidenceForest& forest, ErrorBins& bins) {
+  MapConfidence judge(forest, "the confidence forest in training");
+  judge.estimate(scene.maps());
+  for (int y = 0; y < scene.truth.rows; ++y) {
+    for (int x = 0; x < scene.truth.cols; ++x) {
+      const float error =
+          std::abs(scene.result.disparity.at<float>(y, x) - scene.truth.at<float>(y, x));
+      if (error <= kCorrectPx) {  // not where the truth is unknown
+        bins[ConfidenceForest::sigmaBin(judge.roughnessBins().at<std::uint8_t>(y, x),
+                                        judge.confidence().at<std::uint8_t>(y, x))]
+            .push_back(error);
+      }
+    }
+  }
+}
+
+void SecondForestTrainer::fitSigma(const std::vector<ConfidenceForest>& crossed,
+                                   const ConfidenceSamples& samples,
+                                   ConfidenceForest& forest) const {
+  std::vector<std::uint8_t> roughness = samples.features[roughnessFeature()];
+  for (std::size_t i = 0; i < forest.sigma_roughness_bounds.size(); ++i) {
+    const double share = static_cast<double>(i + 1) / ConfidenceForest::kSigmaRoughnessBins;
+    const int least = i == 0 ? 1 : forest.sigma_roughness_bounds[i - 1] + 1;
+    forest.sigma_roughness_bounds[i] =
+        static_cast<std::uint8_t>(std::max<int>(least, quantile(roughness, share)));
+  }
+  ErrorBins bins(ConfidenceForest::kSigmaBins);
+  for (const Judged& judged : judged_) {
+    ConfidenceForest judge = crossed[judged.group];
+    judge.sigma_roughness_bounds = forest.sigma_roughness_bounds;
+    collectErrors(judged.scene, judge, bins);
+  }
+  std::vector<float> all;
+  for (const std::vector<float>& bin : bins) {
+    all.insert(all.end(), bin.begin(), bin.end());
+  }
+  if (all.empty()) {
+    return;
+  }
+  for (std::vector<float>& bin : bins) {
+    const double sigma = quantile(bin.size() < kFewestErrors ? all : bin, kOneSigmaShare);
+    forest.sigma_px.push_back(std::max(sigma, 0.01));
+  }
+}
+
+}  // namespace
+
+std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int groups) {
+  std::vector<int> group_of;
+  const std::size_t wanted = std::max(1, groups);
+  int group = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool is_due = i * wanted >= (static_cast<std::size_t>(group) + 1) * names.size();
+    if (is_due && !startsWith(names[i], names[i - 1])) {
+      ++group;
+    }
+    group_of.push_back(group);
+  }
+  return group_of;
+}
+
+void trainSecondForest(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
+                       const TrainingProgress& progress, Forest& forest) {
+  SecondForestTrainer(scenes, options, progress).train(forest);
+}
+
+}  // namespace cbmv
