@@ -63,7 +63,7 @@ struct StageData {
   SupportArms arms;
   EdgeImages edges;
   WindowedOptimizedVolume optimized, output;
-  cv::Mat winners, right_winners, labels, disparity, confidence;
+  cv::Mat winners, right_winners, labels, disparity, confidence, margin;
   cv::Mat map;  ///< output of the stages that make one
   VerticalOffset offset;
 
@@ -172,7 +172,7 @@ void addOutput(const StageData& data, Checksum& sum) {
 
 void findWinnerMaps(StageData& data) {
   windowedWinnerMaps(data.space, data.optimized, data.volume, data.options.refinement.subpixel,
-                     {data.winners, data.disparity, data.confidence});
+                     {data.winners, data.disparity, data.confidence, data.margin});
 }
 
 }  // namespace
@@ -334,6 +334,7 @@ std::vector<Stage> optimizationStages() {
            [](const StageData& s, Checksum& sum) {
              sum.add(s.disparity);
              sum.add(s.confidence);
+             sum.add(s.margin);
            }},
           {"right_winners", Unit::kHypotheses, 2, 0,
            [](StageData& s) { windowedWinnersAcross(s.space, s.optimized, s.across_rows, s.map); },

@@ -37,6 +37,9 @@ struct TileColumns {
     return static_cast<std::uint16_t>(has_neighbors ? k | kHasNeighbors : k);
   }
 
+  /// Is the disparity of an entry the next one after that of the entry before?
+  bool followsOn(int k) const { return k > 0 && tile.indices[k - 1] + 1 == tile.indices[k]; }
+
   /// Entries of which the columns [begin, end) of the tile all have their match inside: [start,
   /// end)
   cv::Range wholeEntries(int begin, int end) const {
@@ -65,6 +68,7 @@ struct TileWinners {
   alignas(64) std::uint16_t lowest[kTileColumns];  ///< costs
   alignas(64) std::uint16_t before[kTileColumns];  ///< costs of the entries next to the winners
   alignas(64) std::uint16_t after[kTileColumns];
+  alignas(64) std::uint16_t margins[kTileColumns];
   alignas(64) std::int32_t disparities[kTileColumns];
   alignas(64) std::int32_t matching_costs[kTileColumns];
 };
@@ -74,6 +78,7 @@ struct RowMaps {
   float* winners;
   float* disparity;
   float* confidence;
+  std::uint16_t* margin;
 };
 
 /// Completes the winners whose places are known. Nobody has set the costs of columns beyond the
@@ -117,8 +122,8 @@ using CostTag = hn::CappedTag<std::uint16_t, kTileColumns>;
 using FloatTag = hn::CappedTag<float, kTileColumns>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 
-/// Finds places and costs of the winners of the columns from `begin` on, as many as a vector has
-/// lanes; `costs` are those of the first entry.
+/// Finds places, costs and margins of the winners of the columns from `begin` on, as many as a
+/// vector has lanes; `costs` are those of the first entry.
 HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* costs, int begin,
                             TileWinners& winners) {
   const CostTag tag;
@@ -128,12 +133,20 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
   auto before = hn::Zero(tag);
   auto after = hn::Zero(tag);
   auto last = hn::Zero(tag);
-  auto stayed = hn::FirstN(tag, kTileColumns);  // columns whose winner is not the last entry
+  auto second = hn::Set(tag, kNoMargin);      // lowest cost more than 1 px away from the winner
+  auto far_lowest = hn::Set(tag, kNoMargin);  // and from the entry, among those before
+  const auto all = hn::FirstN(tag, kTileColumns);
+  auto stayed = all;  // columns whose winner is not the last entry
   const cv::Range whole = columns.wholeEntries(begin, begin + count);
   for (int k = 0; k < columns.tile.count; ++k) {
     const auto cost = hn::LoadU(tag, costs + static_cast<std::ptrdiff_t>(k) * kTileColumns + begin);
     const auto lower = hn::Min(lowest, cost);
+    if (!columns.followsOn(k)) {  // the last entry is none of the neighbors of this one
+      stayed = all;
+      far_lowest = lowest;
+    }
     after = hn::IfThenElse(stayed, after, cost);
+    auto rest = hn::IfThenElse(stayed, hn::Min(second, cost), second);
     stayed = hn::Eq(lower, lowest);
     if (k <= whole.start || k >= whole.end) {
       const cv::Range inside = columns.insideAt(k) - begin;
@@ -141,7 +154,10 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
                                      hn::Not(hn::FirstN(tag, std::max(inside.end, 0))));
       const auto has_winner = hn::Ne(places, hn::Set(tag, kNone));
       stayed = hn::Or(is_outside, hn::And(stayed, has_winner));
+      rest = hn::IfThenElse(is_outside, second, rest);
     }
+    second = hn::IfThenElse(stayed, rest, far_lowest);
+    far_lowest = lowest;
     lowest = hn::IfThenElse(stayed, lowest, lower);
     places = hn::IfThenElse(stayed, places, hn::Set(tag, columns.placeOf(k)));
     before = hn::IfThenElse(stayed, before, last);
@@ -151,6 +167,9 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
   hn::Store(lowest, tag, winners.lowest + begin);
   hn::Store(before, tag, winners.before + begin);
   hn::Store(after, tag, winners.after + begin);
+  const auto has_margin = hn::Ne(second, hn::Set(tag, kNoMargin));
+  hn::Store(hn::IfThenElse(has_margin, hn::Sub(second, lowest), second), tag,
+            winners.margins + begin);
 }
 
 /// Minimum of the parabola through the costs beside the winners, relative to these; 0 where they
@@ -199,6 +218,7 @@ HWY_INLINE void storeTile(const TileColumns& columns, const TileWinners& winners
     storeFirst(tag, refined, count, out.disparity + columns.x + c);
     storeFirst(tag, confidence, count, out.confidence + columns.x + c);
   }
+  std::copy_n(winners.margins, columns.count, out.margin + columns.x);
 }
 
 void mapRow(const SearchSpace& space, const WindowedOptimizedVolume& costs,
@@ -249,9 +269,10 @@ void windowedWinnerMaps(const SearchSpace& space, const WindowedOptimizedVolume&
   for (cv::Mat* map : {&maps.winners, &maps.disparity, &maps.confidence}) {
     map->create(space.height(), space.width(), CV_32FC1);
   }
+  maps.margin.create(space.height(), space.width(), CV_16UC1);
   tbb::parallel_for(0, space.height(), [&](int y) {
     const RowMaps out{maps.winners.ptr<float>(y), maps.disparity.ptr<float>(y),
-                      maps.confidence.ptr<float>(y)};
+                      maps.confidence.ptr<float>(y), maps.margin.ptr<std::uint16_t>(y)};
     HWY_DYNAMIC_DISPATCH(mapRow)(space, costs, matching_costs, subpixel, y, out);
   });
 }

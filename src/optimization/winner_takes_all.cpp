@@ -31,15 +31,22 @@ HWY_INLINE hn::Vec<LineTag<std::uint16_t>> loadFirst(const std::uint16_t* costs,
              : hn::IfThenElse(hn::FirstN(tag, count), values, hn::Set(tag, 0xffff));
 }
 
+/// The lowest of `count` costs, in all lanes; the largest number if there are none.
+HWY_INLINE hn::Vec<LineTag<std::uint16_t>> findLowest(const std::uint16_t* costs, int count) {
+  const LineTag<std::uint16_t> tag;
+  const auto lanes = static_cast<int>(hn::Lanes(tag));
+  auto lowest = hn::Set(tag, 0xffff);
+  for (int i = 0; i < count; i += lanes) {
+    lowest = hn::Min(lowest, loadFirst(costs + i, count - i));
+  }
+  return hn::MinOfLanes(tag, lowest);
+}
+
 /// Index of the first smallest of `count` ≥ 1 costs.
 int findCheapest(const std::uint16_t* costs, int count) {
   const LineTag<std::uint16_t> tag;
   const auto lanes = static_cast<int>(hn::Lanes(tag));
-  auto lowest = loadFirst(costs, count);
-  for (int i = lanes; i < count; i += lanes) {
-    lowest = hn::Min(lowest, loadFirst(costs + i, count - i));
-  }
-  lowest = hn::MinOfLanes(tag, lowest);
+  const auto lowest = findLowest(costs, count);
   int first = 0;
   while (hn::AllFalse(tag, hn::Eq(hn::LoadU(tag, costs + first), lowest))) {
     first += lanes;
@@ -79,6 +86,26 @@ void findWinnersAcross(const std::uint16_t* costs, const DisparityRange& range, 
   }
 }
 
+/// Of the winners of a row of the left view, as winnerMargins.
+void findMargins(const std::uint16_t* costs, const DisparityRange& range, int columns,
+                 const float* winners, std::uint16_t* margins) {
+  for (int x = 0; x < columns; ++x, costs += range.count) {
+    margins[x] = kNoMargin;
+    if (winners[x] == range.invalid()) {
+      continue;
+    }
+    const int winner = static_cast<int>(winners[x]) - range.min;
+    const cv::Range inside = insideDisparities(View::kLeft, range, x, columns);
+    const int after = winner + 2;
+    const auto second =
+        hn::GetLane(hn::Min(findLowest(costs + inside.start, winner - 1 - inside.start),
+                            findLowest(costs + after, inside.end - after)));
+    if (second != 0xffff) {
+      margins[x] = static_cast<std::uint16_t>(second - costs[winner]);
+    }
+  }
+}
+
 /// The cheapest disparity of each pixel of a row.
 void findWinners(const std::uint16_t* costs, View view, const DisparityRange& range, int columns,
                  float* winners) {
@@ -103,6 +130,7 @@ namespace {
 
 HWY_EXPORT(findWinners);
 HWY_EXPORT(findWinnersAcross);
+HWY_EXPORT(findMargins);
 
 constexpr std::uint16_t kNone = 0xffff;  // no winner
 
@@ -117,6 +145,16 @@ void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRang
       HWY_DYNAMIC_DISPATCH(findWinners)
       (costs.row(y), view, range, costs.width(), disparity.ptr<float>(y));
     }
+  });
+}
+
+void winnerMargins(const OptimizedVolume& costs, const DisparityRange& range,
+                   const cv::Mat& winners, cv::Mat& margin) {
+  CV_Assert(costs.disparities() == range.count);
+  margin.create(winners.size(), CV_16UC1);
+  tbb::parallel_for(0, costs.height(), [&](int y) {
+    HWY_DYNAMIC_DISPATCH(findMargins)
+    (costs.row(y), range, costs.width(), winners.ptr<float>(y), margin.ptr<std::uint16_t>(y));
   });
 }
 

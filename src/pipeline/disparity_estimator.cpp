@@ -74,6 +74,7 @@ class DisparityEstimator::Impl {
       const Stopwatch watch(result.times.refinement_ms);
       winnerTakesAll(costs, View::kLeft, options_.range, winners_);
       readConfidence(volume, winners_, options_.range, result.confidence);
+      winnerMargins(costs, options_.range, winners_, result.margin);
       winners_.copyTo(result.disparity);
       if (options_.refinement.subpixel) {
         refineSubpixel(costs, View::kLeft, options_.range, result.disparity);

@@ -73,7 +73,7 @@ double bytesOfEstimationMaps(const Problem& problem) {
       ifSet(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
   // Winners; the median filter; the bilateral one.
   const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4);
-  const double result = 4 + 4 + 1 + ifSet(options.refinement.left_right_check, 4);
+  const double result = 4 + 4 + 1 + 2 + ifSet(options.refinement.left_right_check, 4);
   return problem.pixels * (edges + arms + refinement + result);
 }
 

@@ -53,7 +53,7 @@ class WindowedEstimator::Impl {
     {
       const Stopwatch watch(result.times.refinement_ms);
       windowedWinnerMaps(space, costs, volume, options_.refinement.subpixel,
-                         {winners_, result.disparity, result.confidence});
+                         {winners_, result.disparity, result.confidence, result.margin});
     }
     findRightWinners(space, volume, costs, result);
     const Stopwatch watch(result.times.refinement_ms);

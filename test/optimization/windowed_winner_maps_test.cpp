@@ -1,6 +1,7 @@
 #include "cbmv_stereo/optimization/windowed_winner_maps.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -74,8 +75,23 @@ float naiveConfidence(const SearchSpace& space, const WindowedOptimizedVolume& c
   return cost == nullptr ? 0.0F : 1.0F - static_cast<float>(*cost) / 255.0F;
 }
 
+std::uint16_t naiveMargin(const SearchSpace& space, const WindowedOptimizedVolume& costs, int y,
+                          int x) {
+  const int winner = naiveWinner(space, costs, y, x);
+  int second = 65535;
+  for (int d = space.range().min; d <= space.range().max(); ++d) {
+    const std::uint16_t* cost = findCost(space, costs, y, x, d);
+    if (cost != nullptr && std::abs(d - winner) > 1) {
+      second = std::min<int>(second, *cost);
+    }
+  }
+  const std::uint16_t* lowest = findCost(space, costs, y, x, winner);
+  return lowest == nullptr || second == 65535 ? kNoMargin
+                                              : static_cast<std::uint16_t>(second - *lowest);
+}
+
 struct Maps {
-  cv::Mat winners, disparity, confidence;
+  cv::Mat winners, disparity, confidence, margin;
 };
 
 Maps makeNaiveMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
@@ -84,8 +100,10 @@ Maps makeNaiveMaps(const SearchSpace& space, const WindowedOptimizedVolume& cost
   for (cv::Mat* map : {&maps.winners, &maps.disparity, &maps.confidence}) {
     map->create(space.height(), space.width(), CV_32FC1);
   }
+  maps.margin.create(space.height(), space.width(), CV_16UC1);
   for (int y = 0; y < space.height(); ++y) {
     for (int x = 0; x < space.width(); ++x) {
+      maps.margin.at<std::uint16_t>(y, x) = naiveMargin(space, costs, y, x);
       maps.winners.at<float>(y, x) = static_cast<float>(naiveWinner(space, costs, y, x));
       maps.disparity.at<float>(y, x) = naiveSubpixel(space, costs, y, x);
       maps.confidence.at<float>(y, x) = naiveConfidence(space, costs, matching_costs, y, x);
@@ -94,8 +112,9 @@ Maps makeNaiveMaps(const SearchSpace& space, const WindowedOptimizedVolume& cost
   return maps;
 }
 
+template <typename Value>
 void expectEqual(const cv::Mat& found, const cv::Mat& expected) {
-  expectMap<float>(found, expected.size(), [&](int y, int x) { return expected.at<float>(y, x); });
+  expectMap<Value>(found, expected.size(), [&](int y, int x) { return expected.at<Value>(y, x); });
 }
 
 /// Of the maps with and without sub-pixel enhancement.
@@ -105,10 +124,11 @@ void expectMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
     for (const bool subpixel : {false, true}) {
       Maps found;
       windowedWinnerMaps(space, costs, matching_costs, subpixel,
-                         {found.winners, found.disparity, found.confidence});
-      expectEqual(found.winners, expected.winners);
-      expectEqual(found.disparity, subpixel ? expected.disparity : expected.winners);
-      expectEqual(found.confidence, expected.confidence);
+                         {found.winners, found.disparity, found.confidence, found.margin});
+      expectEqual<float>(found.winners, expected.winners);
+      expectEqual<float>(found.disparity, subpixel ? expected.disparity : expected.winners);
+      expectEqual<float>(found.confidence, expected.confidence);
+      expectEqual<std::uint16_t>(found.margin, expected.margin);
     }
   });
 }
@@ -150,6 +170,7 @@ TEST_P(WindowedWinnerMaps, EqualDenseOnesOfAnExhaustiveSpace) {
   const auto matching_costs = makeWindowedCosts<std::uint8_t>(space, 255, 9);
   Maps expected = makeNaiveMaps(space, costs, matching_costs);
   winnerTakesAll(dense, View::kLeft, shape.range, expected.winners);
+  winnerMargins(dense, shape.range, expected.winners, expected.margin);
   expected.winners.copyTo(expected.disparity);
   refineSubpixel(dense, View::kLeft, shape.range, expected.disparity);
   expectMaps(space, costs, matching_costs, expected);

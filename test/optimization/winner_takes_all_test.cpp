@@ -1,5 +1,8 @@
 #include "cbmv_stereo/optimization/winner_takes_all.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "support/random_images.h"
@@ -33,6 +36,41 @@ TEST_P(WinnerTakesAll, EqualsNaiveOne) {
       winnerTakesAll(costs, v, all.range, disparity);
       expectMap<float>(disparity, all.size(),
                        [&](int y, int x) { return naiveWinner(costs, v, all.range, y, x); });
+    });
+  }
+}
+
+std::uint16_t naiveMargin(const OptimizedVolume& costs, const DisparityRange& range, int y, int x) {
+  const float winner = naiveWinner(costs, View::kLeft, range, y, x);
+  int lowest = 65535;
+  int second = 65535;
+  for (int i = 0; i < range.count; ++i) {
+    const int d = range.min + i;
+    const int match = matchingColumn(View::kLeft, x, d);
+    if (match < 0 || match >= costs.width()) {
+      continue;
+    }
+    int& best = std::abs(static_cast<float>(d) - winner) > 1 ? second : lowest;
+    best = std::min<int>(best, costs.pixel(y, x)[i]);
+  }
+  return winner == range.invalid() || second == 65535 ? kNoMargin
+                                                      : static_cast<std::uint16_t>(second - lowest);
+}
+
+TEST_P(WinnerTakesAll, MarginEqualsNaiveOne) {
+  const auto [shape, view, content] = GetParam();
+  if (view == View::kRight) {
+    return;  // margins are of the left view only
+  }
+  for (const int max_cost : {0, 3, 255, 65535}) {
+    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    onEverySimdTarget([&, all = shape] {
+      cv::Mat winners;
+      cv::Mat margin;
+      winnerTakesAll(costs, View::kLeft, all.range, winners);
+      winnerMargins(costs, all.range, winners, margin);
+      expectMap<std::uint16_t>(margin, all.size(),
+                               [&](int y, int x) { return naiveMargin(costs, all.range, y, x); });
     });
   }
 }

@@ -203,7 +203,7 @@ TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
     const int blocks =
         blocksOf([&] { fresh = matcher_->match(pair.left, pair.right, someOffset()); });
     if (frame > 0) {
-      EXPECT_EQ(blocks, 4) << "disparity, right disparity, labels, confidence";
+      EXPECT_EQ(blocks, 5) << "disparity, right disparity, labels, confidence, margin";
     }
   }
 }

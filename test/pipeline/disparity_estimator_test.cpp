@@ -51,6 +51,7 @@ TEST(DisparityEstimator, GivesWhatTheMatcherGivesWhateverCameBefore) {
       EXPECT_TRUE(equal(result.right_disparity, expected.right_disparity)) << shape;
       EXPECT_TRUE(equal(result.labels, expected.labels)) << shape;
       EXPECT_TRUE(equal(result.confidence, expected.confidence)) << shape;
+      EXPECT_TRUE(equal(result.margin, expected.margin)) << shape;
       EXPECT_EQ(result.range.min, shape.range.min);
       EXPECT_EQ(result.range.count, shape.range.count);
     }

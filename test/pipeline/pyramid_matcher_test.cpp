@@ -47,6 +47,7 @@ TEST(WindowedEstimator, AnExhaustiveSpaceGivesTheDenseResult) {
     WindowedEstimator().estimate(scene.left, scene.right, {}, options, space, volume, found);
     EXPECT_TRUE(same(found.disparity, expected.disparity));
     EXPECT_TRUE(same(found.confidence, expected.confidence));
+    EXPECT_TRUE(same(found.margin, expected.margin));
     EXPECT_TRUE(same(found.labels, expected.labels));
     EXPECT_TRUE(same(found.right_disparity, expected.right_disparity));
   }

@@ -97,9 +97,11 @@ void expectDocumentedContent(const StereoResult& result, const cv::Size& size,
   ASSERT_EQ(result.disparity.size(), size);
   ASSERT_EQ(result.confidence.size(), size);
   ASSERT_EQ(result.labels.size(), size);
+  ASSERT_EQ(result.margin.size(), size);
   ASSERT_EQ(result.disparity.type(), CV_32FC1);
   ASSERT_EQ(result.confidence.type(), CV_32FC1);
   ASSERT_EQ(result.labels.type(), CV_8UC1);
+  ASSERT_EQ(result.margin.type(), CV_16UC1);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
       const float d = result.disparity.at<float>(y, x);
@@ -123,6 +125,7 @@ void expectSameBits(const StereoResult& a, const StereoResult& b) {
   EXPECT_TRUE(sameBits(a.right_disparity, b.right_disparity));
   EXPECT_TRUE(sameBits(a.labels, b.labels));
   EXPECT_TRUE(sameBits(a.confidence, b.confidence));
+  EXPECT_TRUE(sameBits(a.margin, b.margin));
 }
 
 struct Geometry {

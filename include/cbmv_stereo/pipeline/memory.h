@@ -16,7 +16,7 @@ namespace cbmv {
 ///   volumes   W H D (1 + 2 v)   the matching volume and v 16-bit ones: 2, or 1 if optimization has
 ///                               one step at most (cbca_iterations_before + sgm_iterations +
 ///                               cbca_iterations_after)
-///   maps      about 145 W H     what the four matchers, the estimate of the vertical offset, the
+///   maps      about 147 W H     what the four matchers, the estimate of the vertical offset, the
 ///                               optimization, the refinement and the result hold of a pixel;
 ///                               fewer with parts of the method switched off
 ///   rows      T W (11 D + 130)  costs, terms and codes of the row that a thread works on, fewer

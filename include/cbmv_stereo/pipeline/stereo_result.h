@@ -21,12 +21,16 @@ struct StageTimes {
 /// What the method finds for one rectified pair. All maps have the size of the images.
 struct StereoResult {
   DisparityRange range;  ///< that was searched; never automatic
-  cv::Mat disparity;  ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
+  cv::Mat disparity;     ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, winner takes all; empty without the check
   cv::Mat labels;           ///< CV_8UC1 of Label, left view: what the left-right check found
   /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen
   /// is correct; halved where the left-right check failed, and 0 where there is no disparity.
   cv::Mat confidence;
+  /// CV_16UC1, unit 1/255, left view: the lowest aggregated cost more than 1 px beside the
+  /// whole-pixel disparity chosen by winner takes all, minus the cost of that one. kNoMargin
+  /// (winner_takes_all.h) where there is no such hypothesis. Refinement does not change it.
+  cv::Mat margin;
   /// That the matcher needs for this pair, MB of 2^20 bytes (memory.h).
   double memory_mb = 0;
   VerticalOffset rectification;  ///< the model that was removed before matching
