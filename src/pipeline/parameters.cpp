@@ -203,6 +203,11 @@ void addRefinementParameters(ParameterTable& table) {
       "bilateral_threshold", "px", 0.01, 16,
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
       "Disparities that differ by this from the centre's do not count in the filter");
+  table.add(
+      "second_forest", "", 0, 1,
+      [](Options& o) -> bool& { return o.refinement.second_forest; },
+      "Calibrate the confidence, and replace improbable disparities by those of confident "
+      "neighbors; needs a forest that holds a second one");
 }
 
 ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node) {

@@ -17,6 +17,7 @@
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/pyramid_matcher.h"
 #include "cbmv_stereo/search/range_source.h"
+#include "cbmv_stereo/selection/map_selector.h"
 #include "cbmv_stereo/volume/volume_builder.h"
 
 namespace cbmv {
@@ -59,6 +60,9 @@ class StereoMatcher::Impl {
  public:
   Impl(std::shared_ptr<const Forest> forest, const StereoOptions& options)
       : forest_(std::move(forest)), evaluator_(*forest_) {
+    if (forest_->confidence != nullptr) {
+      selector_ = std::make_unique<MapSelector>(forest_);
+    }
     setOptions(options);
   }
 
@@ -85,6 +89,12 @@ class StereoMatcher::Impl {
     const Stopwatch total(result.times.total_ms);
     const StereoOptions options = optionsOf(left, right);
     const cv::Mat aligned = alignPair(left, right, options, offset, result);
+    matchAligned(left, aligned, options, result);
+    judge(options, result);
+  }
+
+  void matchAligned(const cv::Mat& left, const cv::Mat& aligned, const StereoOptions& options,
+                    StereoResult& result) {
     if (searchLevels(left.size(), options) > 0) {
       pyramid_.match(left, aligned, options, *forest_, evaluator_, result);
       return;
@@ -95,6 +105,20 @@ class StereoMatcher::Impl {
     }
     estimator_.estimate(left, aligned, options, volume_, result);
     result.memory_mb = requiredMemoryMb(left.size(), options);
+  }
+
+  /// The second forest, if there is one.
+  void judge(const StereoOptions& options, StereoResult& result) {
+    if (selector_ == nullptr || !options.refinement.second_forest) {
+      result.disparity_sigma.release();
+      return;
+    }
+    const Stopwatch watch(result.times.selection_ms);
+    const RefinementOptions& refinement = options.refinement;
+    selector_->select({result.disparity, result.right_disparity, result.labels, result.confidence,
+                       result.margin, result.range},
+                      refinement.fill_occlusions && refinement.fill_mismatches,
+                      {result.disparity, result.confidence, result.disparity_sigma});
   }
 
   /// Those of the pair, with its range. Throws Error if they need too much memory.
@@ -133,6 +157,7 @@ class StereoMatcher::Impl {
   MatchingVolume volume_;
   DisparityEstimator estimator_;
   PyramidMatcher pyramid_;
+  std::unique_ptr<MapSelector> selector_;  ///< null: the forest has no second one
 };
 
 StereoMatcher::StereoMatcher(std::shared_ptr<const Forest> forest, const StereoOptions& options)

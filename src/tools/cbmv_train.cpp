@@ -8,14 +8,17 @@
 #include <CLI/CLI.hpp>
 
 #include "data_arguments.h"
+#include "program_files.h"
 #include "progress_bar.h"
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/output_check.h"
+#include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/forest_training.h"
 #include "cbmv_stereo/training/held_out_measures.h"
 #include "cbmv_stereo/training/sample_file.h"
+#include "cbmv_stereo/training/second_forest.h"
 
 // NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {
@@ -31,11 +34,21 @@ int main(int argc, char** argv) {
   app.add_option("--export-samples", exported,
                  "CSV file to write the samples to that the forest is trained on: the values of "
                  "the features and the label, 1 correct, 0 wrong");
+  std::vector<std::string> presets = {"quality"};
+  app.add_option("--preset", presets,
+                 "Presets that the second forest is made for, names or YAML files, separated by "
+                 "commas; it learns from the maps of each")
+      ->delimiter(',')
+      ->capture_default_str();
   cbmv::addTrainingOptions(app, options);
   return cbmv::runTool(app, argc, argv, "cbmv_train", [&] {
     cbmv::requireWritableFile(output);
     if (!exported.empty()) {
       cbmv::requireWritableFile(exported);
+    }
+    options.second.matching.clear();
+    for (const std::string& preset : presets) {
+      cbmv::readPreset(cbmv::presetFile(preset), options.second.matching.emplace_back());
     }
     cbmv::ProgressBar bar(stdout, cbmv::isTerminal(stdout));
     const auto progress = [&bar](const cbmv::TrainingStep& step) {
@@ -46,7 +59,10 @@ int main(int argc, char** argv) {
     if (!exported.empty()) {
       cbmv::writeSamples(samples, exported);
     }
-    const cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
+    cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
+    if (options.second.enabled && options.kind == cbmv::ForestKind::kOblivious) {
+      cbmv::trainSecondForest(scenes, options, progress, forest);
+    }
     cbmv::writeForest(forest, output);
     std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),
                 std::max(forest.trees.size(), forest.general_trees.size()),

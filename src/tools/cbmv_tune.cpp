@@ -52,6 +52,7 @@ void tune(Arguments& arguments) {
   request.scenes = cbmv::chooseScenes(data_sets, arguments.filter);
   request.search.seed = arguments.training.seed;
   arguments.training.rectification = request.start.rectification;
+  arguments.training.second.matching = {request.start};
   cbmv::TuningEvents events;
   events.progress = cbmv::printLine;
   events.improved = [&](const cbmv::TuningReport& report) {

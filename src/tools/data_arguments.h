@@ -40,7 +40,29 @@ inline void addSceneOptions(CLI::App& app, SceneFilter& filter) {
       ->delimiter(',');
 }
 
+inline void addSecondForestOptions(CLI::App& app, SecondForestOptions& options) {
+  app.add_flag_callback(
+      "--no-second-forest", [&options] { options.enabled = false; },
+      "Train no confidence forest and no selection forest");
+  app.add_option("--groups", options.groups,
+                 "Groups of scenes: the second forest learns from maps by first forests that are "
+                 "trained on the other groups")
+      ->check(wholeNumber(2, 100))
+      ->capture_default_str();
+  app.add_option("--second-pixels-per-scene", options.pixels_per_scene,
+                 "Pixels drawn from each scene for each part of the second forest")
+      ->check(wholeNumber(1))
+      ->capture_default_str();
+  app.add_option_function<int>(
+         "--second-trees",
+         [&options](int trees) { options.confidence.trees = options.selection.trees = trees; },
+         "Trees of each part of the second forest, default " +
+             std::to_string(options.confidence.trees))
+      ->check(wholeNumber(1, ConfidenceForest::kMaxTrees));
+}
+
 inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
+  addSecondForestOptions(app, options.second);
   app.add_option("--pixels-per-scene", options.pixels_per_scene,
                  "Pixels drawn from each level of each scene for training; each gives up to three "
                  "samples")

@@ -31,9 +31,10 @@ class FoldMatcher {
   SceneMaps match(const StereoScene& scene) {
     const std::size_t fold = foldOf(scene.name);
     if (source_ == nullptr || fold != fold_) {
+      const StereoOptions& options = options_[options_.size() == 1 ? 0 : fold];
+      training_.second.matching = {options};
       source_ = matchingSource(
-          std::make_shared<Forest>(trainWithoutFold(fold, scenes_, training_, report_)),
-          options_[options_.size() == 1 ? 0 : fold]);
+          std::make_shared<Forest>(trainWithoutFold(fold, scenes_, training_, report_)), options);
       fold_ = fold;
     }
     return source_(scene);

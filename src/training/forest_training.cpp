@@ -12,6 +12,7 @@
 #include "cbmv_stereo/pipeline/machine_memory.h"
 #include "cbmv_stereo/pipeline/pyramid_matcher.h"
 #include "cbmv_stereo/training/held_out_measures.h"
+#include "cbmv_stereo/training/second_forest.h"
 
 namespace cbmv {
 namespace {
@@ -247,7 +248,12 @@ Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOp
       report(step.line);
     }
   };
-  return trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
+  Forest forest =
+      trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
+  if (options.second.enabled && options.kind == ForestKind::kOblivious) {
+    trainSecondForest(scenes, options, progress, forest);
+  }
+  return forest;
 }
 
 }  // namespace cbmv

@@ -15,6 +15,7 @@ struct StageTimes {
   double aggregation_ms = 0;
   double sgm_ms = 0;
   double refinement_ms = 0;  ///< winner takes all, check, filling, sub-pixel, filters, confidence
+  double selection_ms = 0;   ///< second forest
   double total_ms = 0;
 };
 
@@ -24,13 +25,19 @@ struct StereoResult {
   cv::Mat disparity;     ///< CV_32FC1, px, left view, after all refinement; range.invalid() = none
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, winner takes all; empty without the check
   cv::Mat labels;           ///< CV_8UC1 of Label, left view: what the left-right check found
-  /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen
-  /// is correct; halved where the left-right check failed, and 0 where there is no disparity.
+  /// CV_32FC1 in [0, 1], left view: the probability that the disparity is within 1 px of the truth,
+  /// by the second forest; 0 where there is no disparity. Without a second forest: the first
+  /// forest's probability that the whole-pixel disparity chosen is correct, halved where the
+  /// left-right check failed.
   cv::Mat confidence;
   /// CV_16UC1, unit 1/255, left view: the lowest aggregated cost more than 1 px beside the
   /// whole-pixel disparity chosen by winner takes all, minus the cost of that one. kNoMargin
   /// (winner_takes_all.h) where there is no such hypothesis. Refinement does not change it.
   cv::Mat margin;
+  /// CV_32FC1, px, left view: standard deviation of the disparity of a pixel that is within 1 px of
+  /// the truth (confidence is the probability of that); 0 where there is no disparity. Empty
+  /// without a second forest.
+  cv::Mat disparity_sigma;
   /// That the matcher needs for this pair, MB of 2^20 bytes (memory.h).
   double memory_mb = 0;
   VerticalOffset rectification;  ///< the model that was removed before matching

@@ -13,6 +13,7 @@ struct RefinementOptions {
   int median_size_px = 3;                     ///< odd; 1 switches the filter off
   float bilateral_sigma_px = 2.2F;            ///< blur_sigma; 0 switches the filter off
   float bilateral_threshold_px = 1.3F;        ///< blur_t, in pixels of disparity
+  bool second_forest = true;  ///< calibrated confidence, and disparities of confident neighbors
 };
 
 }  // namespace cbmv

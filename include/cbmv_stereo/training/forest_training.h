@@ -7,6 +7,7 @@
 
 #include "cbmv_stereo/forest/forest.h"
 #include "cbmv_stereo/io/data_set.h"
+#include "cbmv_stereo/pipeline/options.h"
 #include "cbmv_stereo/rectification/vertical_offset.h"
 #include "cbmv_stereo/search/options.h"
 #include "cbmv_stereo/training/boosting.h"
@@ -18,6 +19,16 @@ namespace cbmv {
 enum class ForestKind {
   kOblivious,    ///< boosted oblivious trees: for use
   kRandomForest  ///< the paper's forest: for research, slow
+};
+
+/// The second forest: see second_forest.h.
+struct SecondForestOptions {
+  bool enabled = true;           ///< of oblivious forests only
+  int groups = 3;                ///< of the cross-fitting
+  long pixels_per_scene = 20000; ///< at most, for each preset and each of both forests
+  BoostingOptions confidence;
+  BoostingOptions selection;
+  std::vector<StereoOptions> matching = {StereoOptions()};  ///< presets that it is made for
 };
 
 struct TrainingOptions {
@@ -35,6 +46,7 @@ struct TrainingOptions {
   RectificationOptions rectification;  ///< as the pairs will be matched
   BoostingOptions boosting;            ///< of oblivious trees
   RandomForestOptions random_forest;   ///< of a random forest
+  SecondForestOptions second;
 };
 
 /// "trees 64, depth 6, …": all options but the seed, for people.
@@ -71,7 +83,8 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
 Forest trainOnSamples(const Samples& samples, const std::vector<SceneReference>& scenes,
                       const TrainingOptions& options, const TrainingProgress& progress);
 
-/// Both of the above; `report` gets the lines of their steps.
+/// Both of the above and, where it is enabled, trainSecondForest; `report` gets the lines of their
+/// steps.
 Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                      const TrainingReport& report);
 
