@@ -11,10 +11,16 @@ float probabilityOf(double log_odds) {
   return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
 }
 
+std::uint8_t byteOf(double log_odds) {
+  return static_cast<std::uint8_t>(std::lround(255.0 / (1.0 + std::exp(-log_odds))));
+}
+
 }  // namespace
 
 ConfidenceEvaluator::ConfidenceEvaluator(const ConfidenceForest& forest)
-    : trees_(forest), probability_of_score_(trees_.tableOfSums(probabilityOf)) {}
+    : trees_(forest),
+      probability_of_score_(trees_.tableOfSums(probabilityOf)),
+      byte_of_score_(trees_.tableOfSums(byteOf)) {}
 
 void ConfidenceEvaluator::evaluate(const ConfidenceCodes& codes, int count,
                                    float* probabilities) const {

@@ -22,7 +22,7 @@ void requireFeatures(const ConfidenceForest& forest, const std::vector<std::stri
   }
   const auto f = static_cast<std::size_t>(same - own.begin());
   throw Error("forest " + file_name + ": feature " + std::to_string(f) +
-              " of the confidence forest is " + nameAt(own, f) + ", this program expects " +
+              " of the second forest is " + nameAt(own, f) + ", this program expects " +
               (f < names.size() ? nameAt(names, f) : std::to_string(names.size()) + " features") +
               "; train the forest again with this version of cbmv_train");
 }

@@ -19,6 +19,7 @@ constexpr const char* kFormat = "cbmv_stereo forest";
 constexpr int kVersion = 2;             ///< the highest
 constexpr int kVersionOfOneForest = 1;  ///< without a confidence forest; older programs read it
 constexpr const char* kConfidence = "confidence_forest";
+constexpr const char* kSelection = "selection_forest";
 constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
@@ -34,9 +35,17 @@ constexpr std::int64_t kLargestNumber = std::numeric_limits<std::int64_t>::max()
 
 constexpr float kLargestThreshold = 1e30F;
 
-/// A fault of the confidence forest, which is not the file's only one.
-Fault ofConfidence(const Fault& fault) {
-  return Fault(std::string("the confidence forest ") + fault.what());
+/// A fault of the part `key` of the second forest.
+Fault ofPart(const std::string& key, const Fault& fault) {
+  return Fault("the " + std::string(key == kConfidence ? "confidence" : "selection") + " forest " +
+               fault.what());
+}
+
+/// Calls act(key, part) for both parts of the second forest.
+template <typename ForestType, typename Act>
+void forParts(ForestType& forest, const Act& act) {
+  act(kConfidence, forest.confidence);
+  act(kSelection, forest.selection);
 }
 
 /// CRC-32 of the text of everything that changes the forest's answers.
@@ -72,23 +81,19 @@ Json treesToJson(const std::vector<Tree>& trees) {
   return array;
 }
 
-template <typename Maps>
-void addOblivious(const ObliviousForest& forest, const Maps& maps, Json& model) {
+void addOblivious(const ObliviousForest& forest, Json& model) {
   model["leaf_unit"] = forest.leaf_unit;
   model["bias"] = forest.bias;
-  for (const CodeMap& map : maps) {
-    model["code_maps"].push_back({map.scale, map.offset});
-  }
   model["trees"] = treesToJson(forest.trees);
 }
 
 Json confidenceToJson(const ConfidenceForest& forest) {
   Json model;
   model["features"] = forest.feature_names;
-  addOblivious(forest, forest.code_maps, model);
-  if (!forest.sigma_coefficients.empty()) {
-    model["sigma_coefficients"] = forest.sigma_coefficients;
-    model["sigma_bounds_px"] = forest.sigma_bounds_px;
+  addOblivious(forest, model);
+  if (forest.hasSigma()) {
+    model["sigma_px"] = forest.sigma_px;
+    model["sigma_roughness_bounds"] = forest.sigma_roughness_bounds;
   }
   return model;
 }
@@ -97,16 +102,21 @@ Json modelToJson(const Forest& forest) {
   Json model;
   model["features"] = kFeatureCount;
   if (forest.general_trees.empty()) {
-    addOblivious(forest, forest.quantizer.maps, model);
+    addOblivious(forest, model);
+    for (const CodeMap& map : forest.quantizer.maps) {
+      model["code_maps"].push_back({map.scale, map.offset});
+    }
   } else {
     model["kind"] = kGeneral;
     model["output"] = forest.output == ForestOutput::kLogOdds ? kLogOdds : kProbability;
     model["bias"] = forest.bias;
     model["trees"] = treesToJson(forest.general_trees);
   }
-  if (forest.confidence != nullptr) {
-    model[kConfidence] = confidenceToJson(*forest.confidence);
-  }
+  forParts(forest, [&](const char* key, const auto& part) {
+    if (part != nullptr) {
+      model[key] = confidenceToJson(*part);
+    }
+  });
   return model;
 }
 
@@ -134,9 +144,11 @@ Json provenanceToJson(const Forest& forest) {
                {"scenes", provenance.scenes},
                {"seed", provenance.seed}};
   addRecord(provenance, kFeatureNames, json);
-  if (forest.confidence != nullptr) {
-    addRecord(forest.confidence->record, forest.confidence->feature_names, json[kConfidence]);
-  }
+  forParts(forest, [&](const char* key, const auto& part) {
+    if (part != nullptr) {
+      addRecord(part->record, part->feature_names, json[key]);
+    }
+  });
   return json;
 }
 
@@ -154,21 +166,22 @@ ObliviousTree treeFromJson(const Json& json, std::size_t features) {
   return tree;
 }
 
-/// `maps` has an entry per feature; they come from the file, too.
-template <typename Maps>
-void obliviousFromJson(const Json& model, ObliviousForest& forest, Maps& maps) {
+void obliviousFromJson(const Json& model, std::size_t features, ObliviousForest& forest) {
   forest.leaf_unit = model.at("leaf_unit").get<double>();
   forest.bias = model.at("bias").get<double>();
-  const Json& pairs = model.at("code_maps");
+  for (const Json& tree : model.at("trees")) {
+    forest.trees.push_back(treeFromJson(tree, features));
+  }
+}
+
+void quantizerFromJson(const Json& pairs, FeatureQuantizer& quantizer) {
+  auto& maps = quantizer.maps;
   if (pairs.size() != maps.size()) {
     throw Fault("it has " + std::to_string(pairs.size()) + " code maps instead of " +
                 std::to_string(maps.size()));
   }
   for (std::size_t f = 0; f < maps.size(); ++f) {
     maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
-  }
-  for (const Json& tree : model.at("trees")) {
-    forest.trees.push_back(treeFromJson(tree, maps.size()));
   }
 }
 
@@ -195,7 +208,8 @@ void modelFromJson(const Json& model, Forest& forest) {
   integerIn(model.at("features"), kFeatureCount, kFeatureCount, "the number of features");
   const std::string kind = model.value("kind", kOblivious);
   if (kind == kOblivious) {
-    obliviousFromJson(model, forest, forest.quantizer.maps);
+    quantizerFromJson(model.at("code_maps"), forest.quantizer);
+    obliviousFromJson(model, kFeatureCount, forest);
   } else if (kind == kGeneral) {
     generalFromJson(model, forest);
   } else {
@@ -226,19 +240,22 @@ void readRecord(const Json& json, const Names& feature_names, TrainingRecord& re
   }
 }
 
-ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
+ConfidenceForest confidenceFromJson(const std::string& key, const Json& model,
+                                    const Json& record) {
   ConfidenceForest forest;
   try {
     forest.feature_names = model.at("features").get<std::vector<std::string>>();
-    forest.code_maps.resize(forest.feature_names.size());
-    obliviousFromJson(model, forest, forest.code_maps);
-    if (model.contains("sigma_coefficients")) {
-      forest.sigma_coefficients = model["sigma_coefficients"].get<std::vector<double>>();
-      forest.sigma_bounds_px = model.at("sigma_bounds_px").get<std::array<double, 2>>();
+    obliviousFromJson(model, forest.feature_names.size(), forest);
+    if (model.contains("sigma_px")) {
+      forest.sigma_px = model["sigma_px"].get<std::vector<double>>();
+      for (std::size_t i = 0; i < forest.sigma_roughness_bounds.size(); ++i) {
+        forest.sigma_roughness_bounds[i] = static_cast<std::uint8_t>(integerIn(
+            model.at("sigma_roughness_bounds").at(i), 0, 255, "a bound of the roughness"));
+      }
     }
     readRecord(record, forest.feature_names, forest.record);
   } catch (const Fault& fault) {
-    throw ofConfidence(fault);
+    throw ofPart(key, fault);
   }
   return forest;
 }
@@ -300,10 +317,12 @@ Forest forestFromJson(const Json& json) {
   modelFromJson(model, forest);
   const Json& provenance = json.at("provenance");
   forest.provenance = provenanceFromJson(provenance);
-  if (version > kVersionOfOneForest && model.contains(kConfidence)) {
-    forest.confidence = std::make_shared<const ConfidenceForest>(
-        confidenceFromJson(model[kConfidence], provenance.at(kConfidence)));
-  }
+  forParts(forest, [&](const char* key, auto& part) {
+    if (version > kVersionOfOneForest && model.contains(key)) {
+      part = std::make_shared<const ConfidenceForest>(
+          confidenceFromJson(key, model[key], provenance.at(key)));
+    }
+  });
   return forest;
 }
 
@@ -368,15 +387,16 @@ void checkScale(const ObliviousForest& forest) {
         "has a leaf unit or bias that is not a number of reasonable size");
 }
 
-/// Trees, scale and maps; `maps` has an entry per feature.
-template <typename Maps>
-void checkOblivious(const ObliviousForest& forest, const Maps& maps, int most_trees) {
+void checkOblivious(const ObliviousForest& forest, std::size_t features, int most_trees) {
   checkTreeCount(forest.trees.size(), most_trees);
   for (std::size_t t = 0; t < forest.trees.size(); ++t) {
-    checkTree(forest.trees[t], maps.size(), "tree " + std::to_string(t));
+    checkTree(forest.trees[t], features, "tree " + std::to_string(t));
   }
   checkScale(forest);
-  for (const CodeMap& map : maps) {
+}
+
+void checkQuantizer(const FeatureQuantizer& quantizer) {
+  for (const CodeMap& map : quantizer.maps) {
     check(std::isfinite(map.scale) && std::isfinite(map.offset) && map.scale > 0,
           "has a code map that is not finite and increasing");
   }
@@ -404,44 +424,49 @@ void checkFeatureNames(const std::vector<std::string>& names) {
 }
 
 void checkSigma(const ConfidenceForest& forest) {
-  const std::vector<double>& coefficients = forest.sigma_coefficients;
-  check(coefficients.size() <= ConfidenceForest::kMaxSigmaCoefficients,
-        "has " + std::to_string(coefficients.size()) + " sigma coefficients instead of 0 to " +
-            std::to_string(ConfidenceForest::kMaxSigmaCoefficients));
-  check(std::all_of(coefficients.begin(), coefficients.end(),
-                    [](double value) { return std::isfinite(value); }),
-        "has a sigma coefficient that is not finite");
-  const auto [lowest, highest] = forest.sigma_bounds_px;
-  check(coefficients.empty() || (lowest > 0 && lowest <= highest && highest < 1e3),
-        "has sigma bounds that are not positive, increasing and below 1000 px");
+  const std::vector<double>& sigma = forest.sigma_px;
+  if (sigma.empty()) {
+    return;
+  }
+  check(sigma.size() == ConfidenceForest::kSigmaBins,
+        "has " + std::to_string(sigma.size()) + " standard deviations instead of " +
+            std::to_string(ConfidenceForest::kSigmaBins));
+  check(std::all_of(sigma.begin(), sigma.end(),
+                    [](double px) { return px > 0 && px <= ConfidenceForest::kHighestSigmaPx; }),
+        "has a standard deviation that is not above 0 and at most " +
+            std::to_string(ConfidenceForest::kHighestSigmaPx) + " px");
+  check(std::is_sorted(forest.sigma_roughness_bounds.begin(), forest.sigma_roughness_bounds.end()),
+        "has bounds of the roughness that do not ascend");
 }
 
-void checkConfidence(const ConfidenceForest& forest) {
+void checkConfidence(const std::string& key, const ConfidenceForest& forest) {
   try {
     checkFeatureNames(forest.feature_names);
-    check(forest.code_maps.size() == forest.feature_names.size(),
-          "has " + std::to_string(forest.code_maps.size()) + " code maps instead of " +
-              std::to_string(forest.feature_names.size()));
-    checkOblivious(forest, forest.code_maps, ConfidenceForest::kMaxTrees);
+    checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
     checkSigma(forest);
     const std::size_t importances = forest.record.feature_importance.size();
     check(importances == 0 || importances == forest.feature_names.size(),
           "has the importance of " + std::to_string(importances) + " features instead of " +
               std::to_string(forest.feature_names.size()));
   } catch (const Fault& fault) {
-    throw ofConfidence(fault);
+    throw ofPart(key, fault);
   }
 }
 
 void checkForest(const Forest& forest) {
   if (forest.general_trees.empty()) {
-    checkOblivious(forest, forest.quantizer.maps, Forest::kMaxTrees);
+    checkOblivious(forest, kFeatureCount, Forest::kMaxTrees);
+    checkQuantizer(forest.quantizer);
   } else {
     checkGeneral(forest);
   }
-  if (forest.confidence != nullptr) {
-    checkConfidence(*forest.confidence);
-  }
+  forParts(forest, [](const char* key, const auto& part) {
+    if (part != nullptr) {
+      checkConfidence(key, *part);
+    }
+  });
+  check(forest.selection == nullptr || forest.confidence != nullptr,
+        "has a selection forest without a confidence forest");
 }
 
 }  // namespace

@@ -20,10 +20,12 @@ void MapConfidence::estimate(const JudgedMaps& maps) {
     row.features.resize(confidence_.cols);
     row.codes.reserve(forest_);
   });
-  tbb::parallel_for(0, confidence_.rows, [&](int y) { estimateRow(y, rows_.local()); });
+  const int no_disparity = static_cast<int>(maps.range.invalid()) * kPlaneUnitsPerPx;
+  tbb::parallel_for(0, confidence_.rows,
+                    [&](int y) { estimateRow(y, no_disparity, rows_.local()); });
 }
 
-void MapConfidence::estimateRow(int y, Row& row) {
+void MapConfidence::estimateRow(int y, int no_disparity, Row& row) {
   row.features.startRow(planes_, y);
   auto* confidence = confidence_.ptr<std::uint8_t>(y);
   auto* bins = roughness_bins_.ptr<std::uint8_t>(y);
@@ -31,8 +33,12 @@ void MapConfidence::estimateRow(int y, Row& row) {
     const int count = std::min(ConfidenceFeatures::kBlock, confidence_.cols - x);
     row.features.code(x, count, row.codes);
     evaluator_.score(row.codes, count, row.scores.data());
-    std::transform(row.scores.begin(), row.scores.begin() + count, confidence + x,
-                   [&](std::uint16_t score) { return evaluator_.probabilityByte(score); });
+    const auto* disparity = planes_.disparity.ptr<std::int16_t>(y, x);
+    std::transform(row.scores.begin(), row.scores.begin() + count, disparity, confidence + x,
+                   [&](std::uint16_t score, std::int16_t units) {
+                     return units == no_disparity ? std::uint8_t{0}
+                                                  : evaluator_.probabilityByte(score);
+                   });
     const std::int8_t* roughness = row.codes.line(roughnessFeature());
     std::transform(roughness, roughness + count, bins + x, [&](std::int8_t code) {
       return static_cast<std::uint8_t>(forest_.roughnessBin(static_cast<std::uint8_t>(code + 128)));

@@ -83,24 +83,31 @@ void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const Se
     row.features.code(x, count, row.proposals, row.codes);
     evaluator_->score(row.codes, kBlock * (kSources - 1) + count, row.scores.data());
     for (int i = 0; i < count; ++i) {
-      if (isUnsure(bytes[x + i]) && (fill || disparity[x + i] != judged.range.invalid())) {
-        choose(y, x + i, row, i, maps);
+      const bool has_disparity = disparity[x + i] != judged.range.invalid();
+      if (isUnsure(bytes[x + i]) && (fill || has_disparity)) {
+        choose(y, x + i, row, i, has_disparity, maps);
       }
     }
   }
 }
 
 /// Proposals within 1 px of the pixel's own disparity say nothing new.
-void MapSelector::choose(int y, int x, const Row& row, int i, const SelectedMaps& maps) const {
+void MapSelector::choose(int y, int x, const Row& row, int i, bool has_disparity,
+                         const SelectedMaps& maps) const {
   constexpr int kBlock = SelectionFeatures::kBlock;
   const int own = row.proposals[0][i];
-  int best = 0;
+  int best = has_disparity ? 0 : -1;
   for (int p = 1; p < kSources; ++p) {
     const int proposal = row.proposals[p][i];
-    if (proposal != ConfidentNeighbors::kNoNeighbor && std::abs(proposal - own) > kPlaneUnitsPerPx &&
-        row.scores[p * kBlock + i] > row.scores[best * kBlock + i]) {
+    const bool is_new = proposal != ConfidentNeighbors::kNoNeighbor &&
+                        (!has_disparity || std::abs(proposal - own) > kPlaneUnitsPerPx);
+    if (is_new &&
+        (best < 0 || row.scores[p * kBlock + i] > row.scores[best * kBlock + i])) {
       best = p;
     }
+  }
+  if (best < 0) {
+    return;
   }
   const std::uint8_t byte = evaluator_->probabilityByte(row.scores[best * kBlock + i]);
   maps.confidence.at<float>(y, x) = static_cast<float>(byte) / kBytes;

@@ -78,14 +78,11 @@ void checkColumns(const ConfidenceSamples& samples) {
                          std::to_string(samples.held_out.size()) +
                          " marks of held-out samples, expected as many");
   for (std::size_t f = 0; f < features; ++f) {
-    const std::vector<float>& column = samples.features[f];
-    const std::string name = "feature \"" + samples.feature_names[f] + "\" has ";
-    requireForTraining(column.size() == samples.labels.size(),
-                       name + std::to_string(column.size()) + " values, expected " +
+    const std::size_t values = samples.features[f].size();
+    requireForTraining(values == samples.labels.size(),
+                       "feature \"" + samples.feature_names[f] + "\" has " +
+                           std::to_string(values) + " values, expected " +
                            std::to_string(samples.labels.size()) + ", one for each label");
-    requireForTraining(
-        std::all_of(column.begin(), column.end(), [](float value) { return std::isfinite(value); }),
-        name + "a value that is not finite");
   }
 }
 
@@ -107,10 +104,6 @@ FeatureQuantizer fitQuantizer(const Samples& samples) {
     between(kLikelihoodLow, kLikelihoodHigh, kLowestLogLikelihood);
   });
   return quantizer;
-}
-
-CodeMap fitCodeMap(const std::vector<float>& values) {
-  return mapBetween(quantile(values, 0.005), quantile(values, 0.995));
 }
 
 Forest trainForest(const Samples& samples, const BoostingOptions& options,
@@ -139,11 +132,8 @@ ConfidenceForest trainConfidenceForest(const ConfidenceSamples& samples,
                          std::to_string(options.trees));
   ConfidenceForest forest;
   forest.feature_names = samples.feature_names;
-  forest.code_maps.resize(samples.features.size());
-  tbb::parallel_for(std::size_t{0}, samples.features.size(),
-                    [&](std::size_t f) { forest.code_maps[f] = fitCodeMap(samples.features[f]); });
-  Booster booster(codesOf(samples.features, forest.code_maps),
-                  std::vector<bool>(samples.features.size(), true), samples, options);
+  Booster booster(samples.features, std::vector<bool>(samples.features.size(), true), samples,
+                  options);
   grow(booster, samples.count(), options, progress, forest, forest.record);
   return forest;
 }

@@ -166,7 +166,11 @@ std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& sa
 
 std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
                                          const ConfidenceSamples& samples) {
-  return askTrees(forest, heldOutCodes(samples.features, forest.code_maps, samples));
+  Codes codes;
+  for (const std::vector<std::uint8_t>& column : samples.features) {
+    codes.push_back(heldOutPart(column, samples));
+  }
+  return askTrees(forest, codes);
 }
 
 void measureHeldOut(const Samples& samples, Forest& forest) {
@@ -185,12 +189,14 @@ std::string describeProvenance(const Forest& forest) {
   }
   text += "\n" + provenance.options + ", seed " + std::to_string(provenance.seed) + "\n" +
           describeRecord(provenance, kFeatureNames);
-  if (forest.confidence != nullptr) {
-    const ConfidenceForest& confidence = *forest.confidence;
-    text += "confidence forest: " + std::to_string(confidence.trees.size()) + " trees, " +
-            confidence.record.options + "\n" +
-            describeRecord(confidence.record, confidence.feature_names);
-  }
+  const auto describe = [&](const std::string& name, const ConfidenceForest* part) {
+    if (part != nullptr) {
+      text += name + ": " + std::to_string(part->trees.size()) + " trees, " +
+              part->record.options + "\n" + describeRecord(part->record, part->feature_names);
+    }
+  };
+  describe("confidence forest", forest.confidence.get());
+  describe("selection forest", forest.selection.get());
   return text;
 }
 

@@ -18,10 +18,10 @@ class ConfidenceCodes {
 
   /// Makes room for the features of the forest.
   void reserve(const ConfidenceForest& forest) {
-    codes_.assign(forest.code_maps.size() * kQueries, 0);
+    codes_.assign(forest.feature_names.size() * kQueries, 0);
   }
 
-  /// Codes of one feature, minus 128: of at most kQueries queries. `quantize` fills it from values.
+  /// Codes of one feature, minus 128: of at most kQueries queries.
   std::int8_t* line(int feature) {
     return codes_.data() + static_cast<std::ptrdiff_t>(feature) * kQueries;
   }
@@ -49,12 +49,16 @@ class ConfidenceEvaluator {
   /// The probability that a score stands for, in [0, 1].
   float probability(std::uint16_t score) const { return probability_of_score_[score]; }
 
+  /// The same in 1/255, rounded.
+  std::uint8_t probabilityByte(std::uint16_t score) const { return byte_of_score_[score]; }
+
   /// Both in one: the probabilities of the first `count` queries, at most kQueries.
   void evaluate(const ConfidenceCodes& codes, int count, float* probabilities) const;
 
  private:
   ObliviousEvaluator trees_;
   std::vector<float> probability_of_score_;
+  std::vector<std::uint8_t> byte_of_score_;
 };
 
 }  // namespace cbmv

@@ -47,8 +47,8 @@ enum class ForestOutput {
 /// oblivious (codes of features, fast: what the node is made for) or general (feature values, as
 /// random forests and XGBoost have them, slow: for research).
 ///
-/// A file may hold a second forest, the confidence forest, that was trained on the first one's
-/// maps.
+/// A file may hold a second forest, which was trained on the maps of the first one: the confidence
+/// forest judges the disparity of every pixel, the selection forest those of its neighbors for it.
 struct Forest : ObliviousForest {
   std::string name;                         ///< for messages: the file's name without its folder
   FeatureQuantizer quantizer;               ///< for the oblivious trees
@@ -56,6 +56,7 @@ struct Forest : ObliviousForest {
   ForestOutput output = ForestOutput::kLogOdds;  ///< of bias and general trees
   ForestProvenance provenance;
   std::shared_ptr<const ConfidenceForest> confidence;  ///< null: the file has none
+  std::shared_ptr<const ConfidenceForest> selection;   ///< null: none; only beside `confidence`
 };
 
 }  // namespace cbmv

@@ -23,8 +23,8 @@ class MapConfidence {
   /// outlive the object.
   MapConfidence(const ConfidenceForest& forest, const std::string& file_name);
 
-  /// The probability that the disparity of each pixel is within 1 px of the truth. Valid until the
-  /// next pair; `maps` must stay as they are until then. Parallel over rows by oneTBB.
+  /// The probability that the disparity of each pixel is within 1 px of the truth; 0 where there is
+  /// none. Valid until the next pair; `maps` must stay as they are until then. Parallel over rows by oneTBB.
   void estimate(const JudgedMaps& maps);
 
   const MapPlanes& planes() const { return planes_; }
@@ -39,7 +39,7 @@ class MapConfidence {
     alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
   };
 
-  void estimateRow(int y, Row& row);
+  void estimateRow(int y, int no_disparity, Row& row);
 
   const ConfidenceForest& forest_;
   ConfidenceEvaluator evaluator_;

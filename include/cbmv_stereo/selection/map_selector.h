@@ -51,7 +51,8 @@ class MapSelector {
 
   void fillRow(int y, float invalid, const SelectedMaps& maps) const;
   void selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps, Row& row);
-  void choose(int y, int x, const Row& row, int i, const SelectedMaps& maps) const;
+  void choose(int y, int x, const Row& row, int i, bool has_disparity,
+              const SelectedMaps& maps) const;
 
   std::shared_ptr<const Forest> forest_;
   MapConfidence confidence_;
