@@ -122,6 +122,14 @@ using CostTag = hn::CappedTag<std::uint16_t, kTileColumns>;
 using FloatTag = hn::CappedTag<float, kTileColumns>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 
+/// Which columns from `begin` on have their match outside at the disparity of an entry?
+HWY_INLINE hn::Mask<CostTag> areOutside(const TileColumns& columns, int k, int begin) {
+  const CostTag tag;
+  const cv::Range inside = columns.insideAt(k) - begin;
+  return hn::Or(hn::FirstN(tag, std::max(inside.start, 0)),
+                hn::Not(hn::FirstN(tag, std::max(inside.end, 0))));
+}
+
 /// Finds places, costs and margins of the winners of the columns from `begin` on, as many as a
 /// vector has lanes; `costs` are those of the first entry.
 HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* costs, int begin,
@@ -134,14 +142,14 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
   auto after = hn::Zero(tag);
   auto last = hn::Zero(tag);
   auto second = hn::Set(tag, kNoMargin);      // lowest cost more than 1 px away from the winner
-  auto far_lowest = hn::Set(tag, kNoMargin);  // and from the entry, among those before
+  auto far_lowest = hn::Set(tag, kNoMargin);  // the same for the entry, of those before it
   const auto all = hn::FirstN(tag, kTileColumns);
   auto stayed = all;  // columns whose winner is not the last entry
   const cv::Range whole = columns.wholeEntries(begin, begin + count);
   for (int k = 0; k < columns.tile.count; ++k) {
     const auto cost = hn::LoadU(tag, costs + static_cast<std::ptrdiff_t>(k) * kTileColumns + begin);
     const auto lower = hn::Min(lowest, cost);
-    if (!columns.followsOn(k)) {  // the last entry is none of the neighbors of this one
+    if (!columns.followsOn(k)) {  // the entry before is more than 1 px away from this one
       stayed = all;
       far_lowest = lowest;
     }
@@ -149,9 +157,7 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
     auto rest = hn::IfThenElse(stayed, hn::Min(second, cost), second);
     stayed = hn::Eq(lower, lowest);
     if (k <= whole.start || k >= whole.end) {
-      const cv::Range inside = columns.insideAt(k) - begin;
-      const auto is_outside = hn::Or(hn::FirstN(tag, std::max(inside.start, 0)),
-                                     hn::Not(hn::FirstN(tag, std::max(inside.end, 0))));
+      const auto is_outside = areOutside(columns, k, begin);
       const auto has_winner = hn::Ne(places, hn::Set(tag, kNone));
       stayed = hn::Or(is_outside, hn::And(stayed, has_winner));
       rest = hn::IfThenElse(is_outside, second, rest);

@@ -100,7 +100,7 @@ void findMargins(const std::uint16_t* costs, const DisparityRange& range, int co
     const auto second =
         hn::GetLane(hn::Min(findLowest(costs + inside.start, winner - 1 - inside.start),
                             findLowest(costs + after, inside.end - after)));
-    if (second != 0xffff) {
+    if (second != kNoMargin) {
       margins[x] = static_cast<std::uint16_t>(second - costs[winner]);
     }
   }
