@@ -15,8 +15,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kBinsPerCalibrationBin = kConfidenceBins / kCalibrationBins;
 
 std::size_t binOf(float confidence) {
-  // In float: 0.7 as a float is below 0.7, but its product is rounded to the bin's begin.
-  const auto bin = static_cast<std::size_t>(confidence * static_cast<float>(kConfidenceBins));
+  constexpr double kTolerance = 1e-4;  // of a bin: 0.7 as a float is below 0.7
+  const auto bin =
+      static_cast<std::size_t>(static_cast<double>(confidence) * kConfidenceBins + kTolerance);
   return std::min(bin, kConfidenceBins - 1);
 }
 
