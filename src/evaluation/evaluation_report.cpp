@@ -107,6 +107,7 @@ std::string shortNumber(double value) {
 /// What is kept at each of pointsOf.
 std::vector<std::string> pointNames(const EvaluationReport& report) {
   std::vector<std::string> names;
+  names.reserve(kMinConfidences.size() + 2);
   for (const double threshold : kMinConfidences) {
     names.push_back("min_confidence " + shortNumber(threshold));
   }
@@ -179,6 +180,7 @@ std::string csvField(const std::string& text) {
 /// Ends of names of the columns of each operating point.
 std::vector<std::string> csvPoints(const EvaluationReport& report) {
   std::vector<std::string> ends;
+  ends.reserve(kMinConfidences.size() + 1);
   for (const double threshold : kMinConfidences) {
     ends.push_back("_from_" + shortNumber(threshold));
   }
