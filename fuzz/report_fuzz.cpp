@@ -3,7 +3,7 @@
 #include "fuzz_target.h"
 #include "scratch_file.h"
 
-#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "cbmv_stereo/evaluation/json_report.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

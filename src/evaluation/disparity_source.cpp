@@ -1,5 +1,6 @@
 #include "cbmv_stereo/evaluation/disparity_source.h"
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -20,6 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kPngDivisor = 256.0;
+
+/// The files beside a scene's disparities, which need not be there.
+constexpr std::array<std::pair<const char*, cv::Mat SceneMaps::*>, 2> kExtraMaps = {
+    {{"_confidence.pfm", &SceneMaps::confidence}, {"_sigma.pfm", &SceneMaps::disparity_sigma}}};
 
 SceneMaps matchScene(StereoMatcher& matcher, StereoOptions options, const StereoScene& scene) {
   options.range = options.range.isAutomatic()
@@ -43,14 +48,16 @@ fs::path mapFile(const fs::path& folder, const std::string& scene) {
 
 SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
   const fs::path file = mapFile(folder, scene.name);
-  const fs::path confidence_file = folder / (scene.name + "_confidence.pfm");
   const bool is_float = hasExtension(file, ".pfm");
   SceneMaps maps;
   maps.disparity = readDisparity(file.string(), is_float ? 1.0 : kPngDivisor);
   requireSameSize(file, maps.disparity.size(), "the scene's left image", scene.left.size());
-  if (fs::exists(confidence_file)) {
-    maps.confidence = readPfm(confidence_file.string());
-    requireSameSize(confidence_file, maps.confidence.size(), file, maps.disparity.size());
+  for (const auto& [suffix, map] : kExtraMaps) {
+    const fs::path extra = folder / (scene.name + suffix);
+    if (fs::exists(extra)) {
+      maps.*map = readPfm(extra.string());
+      requireSameSize(extra, (maps.*map).size(), file, maps.disparity.size());
+    }
   }
   return maps;
 }
@@ -58,7 +65,11 @@ SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
 }  // namespace
 
 SceneMaps toSceneMaps(const StereoResult& result) {
-  SceneMaps maps{result.disparity.clone(), result.confidence, result.times.total_ms / 1000.0};
+  SceneMaps maps;
+  maps.disparity = result.disparity.clone();
+  maps.confidence = result.confidence;
+  maps.disparity_sigma = cv::Mat();  // of StereoResult::disparity_sigma, once it has one
+  maps.seconds = result.times.total_ms / 1000.0;
   maps.disparity.setTo(std::numeric_limits<float>::infinity(),
                        maps.disparity == result.range.invalid());
   return maps;
@@ -77,8 +88,10 @@ void writeMaps(const std::string& folder, const StereoScene& scene, const SceneM
   makeFolder(folder);
   const std::string base = (fs::path(folder) / scene.name).string();
   writePfm(base + ".pfm", maps.disparity);
-  if (!maps.confidence.empty()) {
-    writePfm(base + "_confidence.pfm", maps.confidence);
+  for (const auto& [suffix, map] : kExtraMaps) {
+    if (!(maps.*map).empty()) {
+      writePfm(base + suffix, maps.*map);
+    }
   }
 }
 

@@ -18,14 +18,14 @@ struct MatchedScene {
 
 /// Nothing when the scene failed.
 std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string& name,
-                                     const DisparitySource& source,
+                                     const DisparitySource& source, const ScoreOptions& scoring,
                                      const EvaluationEvents& events) {
   try {
     MatchedScene matched;
     matched.scene = data_set.read(name);
     matched.maps = source(matched.scene);
     if (!matched.scene.truth.empty()) {
-      matched.score = scoreScene(matched.scene, matched.maps);
+      matched.score = scoreScene(matched.scene, matched.maps, scoring);
       matched.score->weight = data_set.weight(name);
     }
     return matched;
@@ -63,7 +63,8 @@ int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scen
       events.progress(name + ": done earlier");
       continue;
     }
-    const std::optional<MatchedScene> matched = tryScene(data_set, name, source, events);
+    const std::optional<MatchedScene> matched =
+        tryScene(data_set, name, source, report.scoring, events);
     if (!matched) {
       ++failed;
       continue;
@@ -82,7 +83,7 @@ int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scen
 
 int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
                  const std::vector<std::string>& scenes, EvaluationReport& report) {
-  if (earlier.fingerprint != report.fingerprint) {
+  if (earlier.fingerprint != report.fingerprint || !(earlier.scoring == report.scoring)) {
     return -1;
   }
   for (const std::string& name : scenes) {

@@ -3,130 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
-#include <filesystem>
-#include <iterator>
-
-#include <nlohmann/json.hpp>
 
 #include "../io/binary_file.h"
-#include "../io/bounded_json.h"
 #include "../io/crc32_text.h"
 
-#include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "cbmv_stereo/evaluation/confidence_summary.h"
 
 namespace cbmv {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr std::uintmax_t kLargestFile = 64 << 20;
-
-Json numberToJson(double value) { return std::isnan(value) ? Json() : Json(value); }
-
-double numberFromJson(const Json& json) {
-  return json.is_null() ? kNotMeasured : json.get<double>();
-}
-
-Json textToJson(const std::string& text) { return text.empty() ? Json() : Json(text); }
-
-std::string textFromJson(const Json& json) { return json.is_null() ? "" : json.get<std::string>(); }
-
-Json metricsToJson(const MetricValues& values) {
-  Json json = Json::object();
-  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
-    json[kMetrics[m].name] = numberToJson(values[m]);
-  }
-  return json;
-}
-
-MetricValues metricsFromJson(const Json& json) {
-  MetricValues values{};
-  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
-    values[m] = numberFromJson(json.at(kMetrics[m].name));
-  }
-  return values;
-}
-
-/// A curve of SceneCurves, as reports call it.
-struct Curve {
-  const char* name;
-  std::vector<double> SceneCurves::*values;
-};
-
-constexpr std::array<Curve, 3> kCurves = {{
-    {"sparsification", &SceneCurves::sparsification},
-    {"sparsification_optimal", &SceneCurves::sparsification_optimal},
-    {"error_histogram", &SceneCurves::error_histogram},
-}};
-
-/// Those that are known, to three decimals.
-Json curvesToJson(const SceneCurves& curves) {
-  Json json;
-  for (const Curve& curve : kCurves) {
-    for (const double value : curves.*curve.values) {
-      json[curve.name].push_back(std::round(1e3 * value) / 1e3);
-    }
-  }
-  return json;
-}
-
-SceneCurves curvesFromJson(const Json& json) {
-  SceneCurves curves;
-  for (const Curve& curve : kCurves) {
-    if (json.contains(curve.name)) {
-      curves.*curve.values = json.at(curve.name).get<std::vector<double>>();
-    }
-  }
-  return curves;
-}
-
-Json axesToJson() {
-  Json json;
-  json["kept_percent"] = kKeptPercents;
-  for (std::size_t k = 1; k <= kErrorBins; ++k) {
-    json["error_px"].push_back(static_cast<double>(k) * kErrorBinPx);
-  }
-  return json;
-}
-
-Json sceneToJson(const SceneScore& score) {
-  Json json = {{"scene", score.scene},
-               {"noc", metricsToJson(score.noc)},
-               {"all", metricsToJson(score.all)},
-               {"density", numberToJson(score.density)},
-               {"seconds", numberToJson(score.seconds)},
-               {"ns_per_hypothesis", numberToJson(score.ns_per_hypothesis)}};
-  const Json curves = curvesToJson(score.curves);
-  if (!curves.is_null()) {
-    json["curves"] = curves;
-  }
-  return json;
-}
-
-SceneScore sceneFromJson(const Json& json) {
-  SceneScore score;
-  score.scene = json.at("scene").get<std::string>();
-  score.noc = metricsFromJson(json.at("noc"));
-  score.all = metricsFromJson(json.at("all"));
-  score.density = numberFromJson(json.at("density"));
-  score.seconds = numberFromJson(json.at("seconds"));
-  score.ns_per_hypothesis = numberFromJson(json.at("ns_per_hypothesis"));
-  if (json.contains("curves")) {
-    score.curves = curvesFromJson(json.at("curves"));
-  }
-  return score;
-}
-
-Json meanToJson(const std::vector<SceneScore>& scores, bool weighted) {
-  if (scores.empty()) {
-    return {};
-  }
-  const SceneScore mean = meanScore(scores, weighted);
-  return {{"noc", metricsToJson(mean.noc)}, {"all", metricsToJson(mean.all)}};
-}
 
 /// The scenes' rows and, below, their means.
 std::vector<SceneScore> rowsWithMeans(const EvaluationReport& report) {
@@ -202,6 +87,85 @@ std::string markdownTable(Table table) {
   return alignTable(table, "| ", " | ", " |\n");
 }
 
+/// The points of a summary, in the order of kMinConfidences, then those at a density.
+std::vector<OperatingPoint> pointsOf(const ConfidenceSummary& summary) {
+  std::vector<OperatingPoint> points(summary.operating_points.begin(),
+                                     summary.operating_points.end());
+  if (summary.at_density) {
+    points.push_back(*summary.at_density);
+    points.push_back(*summary.at_density_each_scene);
+  }
+  return points;
+}
+
+std::string shortNumber(double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
+}
+
+/// What is kept at each of pointsOf.
+std::vector<std::string> pointNames(const EvaluationReport& report) {
+  std::vector<std::string> names;
+  names.reserve(kMinConfidences.size() + 2);
+  for (const double threshold : kMinConfidences) {
+    names.push_back("min_confidence " + shortNumber(threshold));
+  }
+  if (report.density) {
+    const std::string most = "most confident " + shortNumber(*report.density) + " %, ";
+    names.push_back(most + "one threshold");
+    names.push_back(most + "a threshold per scene");
+  }
+  return names;
+}
+
+/// Cells of the table of operating points, the header first; empty when they are not known.
+Table operatingTable(const EvaluationReport& report, bool weighted) {
+  const auto noc =
+      summarizeConfidence(report.scenes, &SceneScore::noc_sums, weighted, report.density);
+  const auto all =
+      summarizeConfidence(report.scenes, &SceneScore::all_sums, weighted, report.density);
+  if (!noc || !all) {
+    return {};
+  }
+  Table table = {{"kept pixels", "noc: from", "density", "bad_1", "bad_3", "all: from", "density",
+                  "bad_1", "bad_3"}};
+  for (const std::string& name : pointNames(report)) {
+    const std::size_t place = table.size() - 1;
+    table.push_back({name});
+    for (const auto& summary : {noc, all}) {
+      const OperatingPoint point = pointsOf(*summary)[place];
+      table.back().push_back(fixed(point.min_confidence, 3));
+      for (const double percent : {point.density, point.bad_1, point.bad_3}) {
+        table.back().push_back(fixed(percent, 2));
+      }
+    }
+  }
+  return table;
+}
+
+/// What the numbers of the confidence call correct.
+std::string correctNote(const EvaluationReport& report) {
+  const std::string px = shortNumber(report.scoring.correct_px * report.scoring.scale);
+  return "(auc: of bad " + px + "; ece, brier: correct up to " + px + " px)";
+}
+
+/// A title and a table for each kind of mean; `text` turns cells into lines.
+template <typename Text>
+std::string operatingTables(const EvaluationReport& report, const Text& text) {
+  std::string tables;
+  for (const bool weighted : {false, true}) {
+    const Table table =
+        weighted && !report.isWeighted() ? Table() : operatingTable(report, weighted);
+    if (!table.empty()) {
+      tables += text(weighted ? "Operating points, pixels of all scenes, official weights"
+                              : "Operating points, pixels of all scenes",
+                     table);
+    }
+  }
+  return tables;
+}
+
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) {
     return text;
@@ -213,7 +177,21 @@ std::string csvField(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string csvLine(const SceneScore& score, const char* pixels, const MetricValues& values) {
+/// Ends of names of the columns of each operating point.
+std::vector<std::string> csvPoints(const EvaluationReport& report) {
+  std::vector<std::string> ends;
+  ends.reserve(kMinConfidences.size() + 1);
+  for (const double threshold : kMinConfidences) {
+    ends.push_back("_from_" + shortNumber(threshold));
+  }
+  if (report.density) {
+    ends.push_back("_at_density_" + shortNumber(*report.density));
+  }
+  return ends;
+}
+
+std::string csvLine(const EvaluationReport& report, const SceneScore& score, const char* pixels,
+                    const MetricValues& values, const ConfidenceProfile& profile) {
   std::string line = csvField(score.scene) + "," + pixels;
   const auto append = [&](double value) {
     line += "," + (std::isnan(value) ? std::string() : fixed(value, 6));
@@ -222,6 +200,18 @@ std::string csvLine(const SceneScore& score, const char* pixels, const MetricVal
   append(score.density);
   append(score.seconds);
   append(score.ns_per_hypothesis);
+  append(report.scoring.correct_px * report.scoring.scale);
+  const auto append_point = [&](const OperatingPoint& point) {
+    for (const double value : {point.min_confidence, point.density, point.bad_1, point.bad_3}) {
+      append(value);
+    }
+  };
+  for (const double threshold : kMinConfidences) {
+    append_point(operatingPoint(profile, threshold));
+  }
+  if (report.density) {
+    append_point(atDensity(profile, *report.density));
+  }
   return line + "\n";
 }
 
@@ -255,72 +245,43 @@ bool EvaluationReport::isWeighted() const {
 
 std::string fingerprintOf(const std::string& text) { return crc32Text(text); }
 
-void writeJsonReport(const EvaluationReport& report, const std::string& path) {
-  Json json;
-  json["forest"] = textToJson(report.forest);
-  json["preset"] = textToJson(report.preset);
-  json["fingerprint"] = textToJson(report.fingerprint);
-  json["scenes"] = Json::array();
-  for (const SceneScore& score : report.scenes) {
-    json["scenes"].push_back(sceneToJson(score));
-  }
-  json["mean"] = meanToJson(report.scenes, false);
-  json["weighted_mean"] = meanToJson(report.scenes, true);
-  if (std::any_of(json["scenes"].begin(), json["scenes"].end(),
-                  [](const Json& scene) { return scene.contains("curves"); })) {
-    json["axes"] = axesToJson();
-  }
-  if (!report.unscored.empty()) {
-    json["unscored"] = report.unscored;
-  }
-  replaceFile(path, json.dump(1) + "\n");
-}
-
-EvaluationReport readJsonReport(const std::string& path) {
-  std::ifstream in = openForReading(path, kLargestFile);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  try {
-    const auto json = parseBounded<Json>(text);
-    EvaluationReport report;
-    report.forest = textFromJson(json.at("forest"));
-    report.preset = textFromJson(json.at("preset"));
-    report.fingerprint = textFromJson(json.at("fingerprint"));
-    for (const Json& scene : json.at("scenes")) {
-      report.insert(sceneFromJson(scene));
-    }
-    if (json.contains("unscored")) {
-      report.unscored = json.at("unscored").get<std::set<std::string>>();
-    }
-    return report;
-  } catch (const JsonTooLarge& error) {
-    throw Error("Cannot read " + path + ": it is not a report of this program, it " + error.what() +
-                ".");
-  } catch (const Json::exception& error) {
-    throw Error("Cannot read " + path + ": it is not a report of this program (" + error.what() +
-                ").");
-  }
-}
-
 void writeCsvReport(const EvaluationReport& report, const std::string& path) {
   std::string text = "scene,pixels";
   for (const Metric& metric : kMetrics) {
     text += std::string(",") + metric.name;
   }
-  text += ",density,seconds,ns_per_hypothesis\n";
+  text += ",density,seconds,ns_per_hypothesis,correct_px";
+  for (const std::string& end : csvPoints(report)) {
+    for (const char* name : {",min_confidence", ",density", ",bad_1", ",bad_3"}) {
+      text += name + end;
+    }
+  }
+  text += "\n";
   for (const SceneScore& score : rowsWithMeans(report)) {
-    text += csvLine(score, "noc", score.noc) + csvLine(score, "all", score.all);
+    text += csvLine(report, score, "noc", score.noc, score.noc_sums.confidence) +
+            csvLine(report, score, "all", score.all, score.all_sums.confidence);
   }
   replaceFile(path, text);
 }
 
 void writeMarkdownReport(const EvaluationReport& report, const std::string& path) {
-  replaceFile(path, "Non-occluded pixels:\n\n" + markdownTable(tableOf(report, &SceneScore::noc)) +
-                        "\nAll pixels:\n\n" + markdownTable(tableOf(report, &SceneScore::all)));
+  const std::string note = " " + correctNote(report) + ":\n\n";
+  replaceFile(path, "Non-occluded pixels" + note +
+                        markdownTable(tableOf(report, &SceneScore::noc)) + "\nAll pixels" + note +
+                        markdownTable(tableOf(report, &SceneScore::all)) +
+                        operatingTables(report, [](const std::string& title, const Table& table) {
+                          return "\n" + title + ":\n\n" + markdownTable(table);
+                        }));
 }
 
 std::string formatReport(const EvaluationReport& report) {
-  return "non-occluded pixels\n" + alignTable(tableOf(report, &SceneScore::noc), "", "  ", "\n") +
-         "\nall pixels\n" + alignTable(tableOf(report, &SceneScore::all), "", "  ", "\n");
+  const auto aligned = [](const Table& table) { return alignTable(table, "", "  ", "\n"); };
+  const std::string note = " " + correctNote(report) + "\n";
+  return "non-occluded pixels" + note + aligned(tableOf(report, &SceneScore::noc)) +
+         "\nall pixels" + note + aligned(tableOf(report, &SceneScore::all)) +
+         operatingTables(report, [&](const std::string& title, const Table& table) {
+           return "\n" + title + "\n" + aligned(table);
+         });
 }
 
 }  // namespace cbmv

@@ -8,29 +8,90 @@ namespace cbmv {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
+constexpr double kInlierPx = 1.0;
 
-/// Without curves, and areas that are not measured, where the confidence is not known.
-Sparsification sparsifyIfKnown(const StereoScene& scene, const SceneMaps& maps,
-                               const cv::Mat& mask) {
-  return maps.confidence.empty()
-             ? Sparsification{{}, {}, kNotMeasured, kNotMeasured}
-             : sparsify(maps.disparity, maps.confidence, scene.truth, mask, kNone);
+/// What is compared, at the scale of the thresholds.
+struct Comparison {
+  SceneMaps maps;
+  cv::Mat truth;
+  float correct_px;
+  float inlier_px;
+};
+
+Comparison compare(const StereoScene& scene, const SceneMaps& maps, const ScoreOptions& options) {
+  Comparison scaled{maps, cv::Mat(), static_cast<float>(options.correct_px * options.scale),
+                    static_cast<float>(kInlierPx * options.scale)};
+  scene.truth.convertTo(scaled.truth, -1, options.scale);
+  for (cv::Mat* map : {&scaled.maps.disparity, &scaled.maps.disparity_sigma}) {
+    cv::Mat product;
+    map->convertTo(product, -1, options.scale);
+    *map = product;
+  }
+  return scaled;
 }
 
-MetricValues metricValues(const DisparityError& error, const Sparsification& sparsification) {
-  return {error.bad_05,
-          error.bad_1,
-          error.bad_2,
-          error.bad_3,
-          error.bad_4,
-          error.d1,
-          error.average_px,
-          error.rms_px,
-          error.a50_px,
-          error.a90_px,
-          error.a99_px,
-          sparsification.auc,
-          sparsification.auc_optimal};
+/// The measures over the pixels of one mask.
+struct PixelScore {
+  DisparityError error;
+  Sparsification sparsification{{}, {}, kNotMeasured, kNotMeasured};
+  PixelSums sums;
+};
+
+PixelScore scorePixels(const Comparison& compared, const cv::Mat& mask) {
+  const SceneMaps& maps = compared.maps;
+  PixelScore score;
+  score.error = evaluateDisparity(maps.disparity, compared.truth, mask, kNone);
+  if (!maps.confidence.empty()) {
+    score.sparsification =
+        sparsify(maps.disparity, maps.confidence, compared.truth, mask, kNone, compared.correct_px);
+    score.sums.confidence = profileConfidence(maps.disparity, maps.confidence, compared.truth, mask,
+                                              kNone, compared.correct_px);
+  }
+  if (!maps.disparity_sigma.empty()) {
+    score.sums.sigma = coverSigma(maps.disparity, maps.disparity_sigma, compared.truth, mask, kNone,
+                                  compared.inlier_px);
+  }
+  return score;
+}
+
+/// The last of kMetrics.
+constexpr std::size_t kEce = 13;
+constexpr std::size_t kSigma1 = 15;
+constexpr std::size_t kSigma2 = 16;
+constexpr std::size_t kSigmaRms = 17;
+
+/// The metrics of the pixels of all scenes together.
+void setPooled(const PixelSums& sums, MetricValues& values) {
+  values[kEce] = calibrationError(sums.confidence);
+  values[kSigma1] = sums.sigma.withinOne();
+  values[kSigma2] = sums.sigma.withinTwo();
+  values[kSigmaRms] = sums.sigma.rms();
+}
+
+MetricValues metricValues(const PixelScore& score) {
+  const DisparityError& error = score.error;
+  MetricValues values = {error.bad_05,
+                         error.bad_1,
+                         error.bad_2,
+                         error.bad_3,
+                         error.bad_4,
+                         error.d1,
+                         error.average_px,
+                         error.rms_px,
+                         error.a50_px,
+                         error.a90_px,
+                         error.a99_px,
+                         score.sparsification.auc,
+                         score.sparsification.auc_optimal,
+                         0.0,
+                         brierScore(score.sums.confidence)};
+  setPooled(score.sums, values);
+  return values;
+}
+
+void addSums(const PixelSums& scene, double weight, PixelSums& sum) {
+  addProfile(scene.confidence, weight, sum.confidence);
+  addCoverage(scene.sigma, weight, sum.sigma);
 }
 
 /// The points at kKeptPercents of a curve over 1 … 100 percent.
@@ -50,6 +111,8 @@ void add(const SceneScore& score, double share, SceneScore& sum) {
     sum.noc[m] += share * score.noc[m];
     sum.all[m] += share * score.all[m];
   }
+  addSums(score.noc_sums, share, sum.noc_sums);
+  addSums(score.all_sums, share, sum.all_sums);
   sum.density += share * score.density;
   sum.seconds += share * score.seconds;
   sum.ns_per_hypothesis += share * score.ns_per_hypothesis;
@@ -57,22 +120,29 @@ void add(const SceneScore& score, double share, SceneScore& sum) {
 
 }  // namespace
 
-SceneScore scoreScene(const StereoScene& scene, const SceneMaps& maps) {
+bool operator==(const ScoreOptions& a, const ScoreOptions& b) {
+  return a.correct_px == b.correct_px && a.scale == b.scale;
+}
+
+SceneScore scoreScene(const StereoScene& scene, const SceneMaps& maps,
+                      const ScoreOptions& options) {
   const cv::Mat everywhere(scene.truth.size(), CV_8UC1, cv::Scalar(255));
-  const DisparityError noc = evaluateDisparity(maps.disparity, scene.truth, scene.visible, kNone);
-  const DisparityError all = evaluateDisparity(maps.disparity, scene.truth, everywhere, kNone);
-  if (noc.pixels == 0) {
+  const Comparison compared = compare(scene, maps, options);
+  const PixelScore noc = scorePixels(compared, scene.visible);
+  const PixelScore all = scorePixels(compared, everywhere);
+  if (noc.error.pixels == 0) {
     throw Error("no pixel that both cameras see has a known true disparity");
   }
   SceneScore score;
   score.scene = scene.name;
-  const Sparsification sparsification = sparsifyIfKnown(scene, maps, scene.visible);
-  score.noc = metricValues(noc, sparsification);
-  score.all = metricValues(all, sparsifyIfKnown(scene, maps, everywhere));
-  score.curves = {thinned(sparsification.bad_1),
-                  thinned(sparsification.bad_1_optimal),
-                  {noc.histogram.begin(), noc.histogram.end()}};
-  score.density = all.density;
+  score.noc = metricValues(noc);
+  score.all = metricValues(all);
+  score.noc_sums = noc.sums;
+  score.all_sums = all.sums;
+  score.curves = {thinned(noc.sparsification.bad),
+                  thinned(noc.sparsification.bad_optimal),
+                  {noc.error.histogram.begin(), noc.error.histogram.end()}};
+  score.density = all.error.density;
   score.seconds = maps.seconds;
   score.ns_per_hypothesis =
       1e9 * maps.seconds / static_cast<double>(scene.truth.total()) / scene.calibration.disparities;
@@ -91,6 +161,8 @@ SceneScore meanScore(const std::vector<SceneScore>& scores, bool weighted) {
   for (const SceneScore& score : scores) {
     add(score, (weighted ? score.weight : 1.0) / weights, mean);
   }
+  setPooled(mean.noc_sums, mean.noc);
+  setPooled(mean.all_sums, mean.all);
   return mean;
 }
 

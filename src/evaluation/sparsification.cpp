@@ -12,7 +12,6 @@ namespace cbmv {
 namespace {
 
 constexpr int kSteps = 100;
-constexpr float kBadPx = 1.0F;
 
 struct Pixel {
   float confidence;
@@ -20,13 +19,15 @@ struct Pixel {
 };
 
 std::vector<Pixel> countedPixels(const cv::Mat& disparity, const cv::Mat& confidence,
-                                 const cv::Mat& truth, const cv::Mat& mask, float invalid) {
+                                 const cv::Mat& truth, const cv::Mat& mask, float invalid,
+                                 float bad_px) {
   std::vector<Pixel> pixels;
   forCountedPixels(truth, mask, [&](int y, int x) {
     const float d = disparity.at<float>(y, x);
     const float c = confidence.at<float>(y, x);
-    pixels.push_back({std::isnan(c) ? -std::numeric_limits<float>::infinity() : c,
-                      !hasDisparity(d, invalid) || std::abs(d - truth.at<float>(y, x)) > kBadPx});
+    const bool has_d = hasDisparity(d, invalid);
+    pixels.push_back({has_d && !std::isnan(c) ? c : -std::numeric_limits<float>::infinity(),
+                      !has_d || std::abs(d - truth.at<float>(y, x)) > bad_px});
   });
   return pixels;
 }
@@ -62,23 +63,23 @@ double area(const std::vector<double>& curve) {
 }  // namespace
 
 Sparsification sparsify(const cv::Mat& disparity, const cv::Mat& confidence, const cv::Mat& truth,
-                        const cv::Mat& mask, float invalid) {
+                        const cv::Mat& mask, float invalid, float bad_px) {
   requireMap(disparity, "disparity", CV_32FC1, disparity.size());
   requireMap(confidence, "confidence", CV_32FC1, disparity.size());
   requireMap(truth, "truth", CV_32FC1, disparity.size());
   requireMap(mask, "mask", CV_8UC1, disparity.size());
-  std::vector<Pixel> pixels = countedPixels(disparity, confidence, truth, mask, invalid);
+  std::vector<Pixel> pixels = countedPixels(disparity, confidence, truth, mask, invalid, bad_px);
   if (pixels.empty()) {
     return {std::vector<double>(kSteps, 0.0), std::vector<double>(kSteps, 0.0), 0.0, 0.0};
   }
   Sparsification result;
-  result.bad_1 = curve(pixels);
-  result.auc = area(result.bad_1);
+  result.bad = curve(pixels);
+  result.auc = area(result.bad);
   for (Pixel& pixel : pixels) {
     pixel.confidence = pixel.bad ? 0.0F : 1.0F;
   }
-  result.bad_1_optimal = curve(pixels);
-  result.auc_optimal = area(result.bad_1_optimal);
+  result.bad_optimal = curve(pixels);
+  result.auc_optimal = area(result.bad_optimal);
   return result;
 }
 

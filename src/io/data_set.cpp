@@ -15,21 +15,23 @@ struct Kind {
   const char* name;
   const char* title;
   const char* layout;  ///< what a folder without a scene should hold
+  double correct_px;   ///< DataSet::correctPx
   std::unique_ptr<SceneReader> (*make_reader)(const std::string&, Truth);
 };
 
 constexpr std::array<Kind, 8> kKinds = {{
-    {"middlebury_v3", "Middlebury v3", "folders with im0.png and calib.txt", makeMiddleburyReader},
-    {"middlebury_2005", "Middlebury 2005/2006", "folders with view1.png and view5.png",
+    {"middlebury_v3", "Middlebury v3", "folders with im0.png and calib.txt", 1.0,
+     makeMiddleburyReader},
+    {"middlebury_2005", "Middlebury 2005/2006", "folders with view1.png and view5.png", 1.0,
      makeMiddlebury2005Reader},
-    {"middlebury_2005_half", "Middlebury 2005/2006", "folders with view1.png and view5.png",
+    {"middlebury_2005_half", "Middlebury 2005/2006", "folders with view1.png and view5.png", 1.0,
      makeMiddlebury2005HalfReader},
-    {"middlebury_2005_full", "Middlebury 2005/2006", "folders with view1.png and view5.png",
+    {"middlebury_2005_full", "Middlebury 2005/2006", "folders with view1.png and view5.png", 1.0,
      makeMiddlebury2005FullReader},
-    {"kitti2012", "KITTI 2012", "disp_noc/NNNNNN_10.png", makeKitti2012Reader},
-    {"kitti2015", "KITTI 2015", "disp_noc_0/NNNNNN_10.png", makeKitti2015Reader},
-    {"eth3d", "ETH3D", "folders with im0.png and calib.txt", makeEth3dReader},
-    {"list", "list", "lines `left right disparity scale [ndisp]`", makeListReader},
+    {"kitti2012", "KITTI 2012", "disp_noc/NNNNNN_10.png", 3.0, makeKitti2012Reader},
+    {"kitti2015", "KITTI 2015", "disp_noc_0/NNNNNN_10.png", 3.0, makeKitti2015Reader},
+    {"eth3d", "ETH3D", "folders with im0.png and calib.txt", 1.0, makeEth3dReader},
+    {"list", "list", "lines `left right disparity scale [ndisp]`", 1.0, makeListReader},
 }};
 
 constexpr std::array<const char*, 5> kHalfWeightScenes = {"PianoL", "Playroom", "Playtable",
@@ -74,6 +76,7 @@ DataSet DataSet::open(const std::string& kind_and_folder, Truth truth) {
   data_set.kind_ = kind.name;
   data_set.folder_ = path;
   data_set.title_ = kind.title;
+  data_set.correct_px_ = kind.correct_px;
   if (data_set.kind_ == "list") {
     data_set.title_ += " " + std::filesystem::path(path).stem().string();
   }

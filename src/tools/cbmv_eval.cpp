@@ -20,6 +20,7 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/evaluation.h"
 #include "cbmv_stereo/evaluation/evaluation_page.h"
+#include "cbmv_stereo/evaluation/json_report.h"
 #include "cbmv_stereo/evaluation/opencv_baseline.h"
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/evaluation/submission.h"
@@ -31,9 +32,12 @@
 namespace {
 
 struct Arguments {
-  std::string data_set, forest, disparities, maps, json, csv, markdown, report, submission;
+  std::string data_set, train_data_set, forest, disparities, maps, json, csv, markdown, report,
+      submission;
   std::vector<std::string> presets;
   int folds = 0;
+  std::optional<double> density;
+  double error_scale = 1.0;
   bool resume = false;
   bool stereo_sgbm = false;
   bool automatic_range = false;
@@ -60,7 +64,21 @@ std::string identityOf(const cbmv::DataSet& data_set) {
          std::filesystem::weakly_canonical(data_set.folder()).string();
 }
 
-/// By the three folds of Middlebury v3. Training leaves out what --exclude names.
+/// What the forests of folds are trained on, less what --exclude names.
+cbmv::DataSet trainingDataSet(const Arguments& arguments, const cbmv::DataSet& data_set) {
+  if (arguments.train_data_set.empty()) {
+    return data_set;
+  }
+  cbmv::DataSet training = cbmv::DataSet::open(arguments.train_data_set);
+  if (training.kind() != data_set.kind()) {
+    throw cbmv::Error("--train-dataset " + arguments.train_data_set + " is of the kind " +
+                      training.kind() + ", expected " + data_set.kind() +
+                      ", whose scenes the folds divide. Name a folder of that kind.");
+  }
+  return training;
+}
+
+/// By the three folds of Middlebury v3.
 void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOptions>& options,
                 const cbmv::DataSet& data_set, std::string& settings, Evaluation& evaluation) {
   if (arguments.folds != 3 || data_set.kind() != "middlebury_v3") {
@@ -69,9 +87,11 @@ void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOption
   cbmv::TrainingOptions training = arguments.training;
   training.rectification = arguments.options.rectification;
   evaluation.scenes = cbmv::orderByFold(evaluation.scenes);
-  evaluation.report.forest = "3 folds of " + data_set.title();
-  settings += cbmv::describe(training) + ", seed " + std::to_string(training.seed);
-  const auto pool = cbmv::chooseScenes({data_set}, {{}, arguments.filter.excluded});
+  const cbmv::DataSet train_data_set = trainingDataSet(arguments, data_set);
+  evaluation.report.forest = "3 folds of " + train_data_set.title();
+  settings += cbmv::describe(training) + ", seed " + std::to_string(training.seed) + " " +
+              identityOf(train_data_set);
+  const auto pool = cbmv::chooseScenes({train_data_set}, {{}, arguments.filter.excluded});
   for (const cbmv::SceneReference& scene : pool) {
     settings += ", " + scene.scene;
   }
@@ -100,6 +120,8 @@ std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
 
 Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   Evaluation evaluation;
+  evaluation.report.scoring = {data_set.correctPx(), arguments.error_scale};
+  evaluation.report.density = arguments.density;
   for (const auto& scene : cbmv::chooseScenes({data_set}, arguments.filter)) {
     evaluation.scenes.push_back(scene.scene);
   }
@@ -279,14 +301,19 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
   CLI::Option* disparities = source->add_option(
       "--disparities", arguments.disparities,
       "Folder of ready maps: SCENE.pfm or SCENE.png (16 bits, value / 256, 0 = none), and "
-      "SCENE_confidence.pfm where there is one");
-  source->add_option("--folds", arguments.folds,
-                     "3: train the folds of the paper on Middlebury v3 and match each scene with "
-                     "the forest that did not see it");
+      "SCENE_confidence.pfm and SCENE_sigma.pfm (standard deviation, px) where there are any");
+  CLI::Option* folds = source->add_option(
+      "--folds", arguments.folds,
+      "3: train the folds of the paper on Middlebury v3 and match each scene with "
+      "the forest that did not see it");
   CLI::Option* baseline = source->add_flag(
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
   source->require_option(1);
+  app.add_option("--train-dataset", arguments.train_data_set,
+                 "Train the folds on the scenes of this data set, KIND:DIR, instead of those of "
+                 "--dataset; for example the same scenes at another resolution")
+      ->needs(folds);
   app.add_flag("--automatic-range", arguments.automatic_range,
                "Find the number of disparities in each pair; else it is the data set's")
       ->excludes(disparities)
@@ -307,6 +334,21 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
                  "Folder to write what the benchmark of this data set takes as an upload; scenes "
                  "without ground truth are then matched too, but not scored")
       ->excludes(disparities);
+}
+
+void addScoringOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option(
+         "--density", arguments.density,
+         "Also report bad 1 and bad 3 of the most confident pixels that are this percent of "
+         "all: with one confidence threshold for all scenes, and with one per scene")
+      ->check(cbmv::numberCheck<double>([](double number) { return number > 0 && number <= 100; },
+                                        "a number above 0, up to 100"));
+  app.add_option(
+         "--error-scale", arguments.error_scale,
+         "Factor of disparities and truth before they are compared; 2: the errors of images "
+         "of half resolution at full-resolution scale")
+      ->check(cbmv::positiveNumber())
+      ->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& app, Arguments& arguments) {
@@ -334,6 +376,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", arguments.options.threads, "0: as many as the machine has")
       ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
+  addScoringOptions(app, arguments);
   addOutputOptions(app, arguments);
   cbmv::addTrainingOptions(app, arguments.training);
   return cbmv::runTool(app, argc, argv, "cbmv_eval", [&] { evaluate(arguments); });

@@ -13,8 +13,6 @@
 namespace cbmv {
 namespace {
 
-bool isErrorMetric(const std::string& name) { return name.rfind("auc", 0) != 0; }
-
 bool wasTrainedOn(const Forest& forest, const SceneReference& scene) {
   const ForestProvenance& provenance = forest.provenance;
   return provenance.data_set.find(scene.data_set.title()) != std::string::npos &&
@@ -31,10 +29,7 @@ void keepMiddleRows(int rows, StereoScene& scene) {
 
 std::size_t findErrorMetric(const std::string& name) {
   std::string known;
-  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
-    if (!isErrorMetric(kMetrics[m].name)) {
-      continue;
-    }
+  for (std::size_t m = 0; m < kErrorMetrics; ++m) {
     if (name == kMetrics[m].name) {
       return m;
     }

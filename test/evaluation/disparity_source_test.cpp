@@ -83,6 +83,7 @@ TEST(FileSource, ReadsWhatWriteMapsWrote) {
   maps.disparity = scene.truth.clone();
   maps.disparity.at<float>(3, 3) = kInfinity;
   maps.confidence = cv::Mat(scene.truth.size(), CV_32FC1, cv::Scalar(0.25));
+  maps.disparity_sigma = cv::Mat(scene.truth.size(), CV_32FC1, cv::Scalar(0.5));
   writeMaps(folder.file("maps"), scene, maps);
   SceneMaps read = fileSource(folder.file("maps"))(scene);
   EXPECT_TRUE(std::isnan(read.disparity.at<float>(3, 3)));
@@ -90,6 +91,7 @@ TEST(FileSource, ReadsWhatWriteMapsWrote) {
   read.disparity.at<float>(3, 3) = 0.0F;
   EXPECT_TRUE(same(read.disparity, maps.disparity));
   EXPECT_TRUE(same(read.confidence, maps.confidence));
+  EXPECT_TRUE(same(read.disparity_sigma, maps.disparity_sigma));
   EXPECT_TRUE(std::isnan(read.seconds));
 }
 
@@ -102,7 +104,7 @@ TEST(FileSource, ReadsIntegersWithoutConfidence) {
   const SceneMaps maps = fileSource(folder.file(""))(scene);
   EXPECT_EQ(maps.disparity.at<float>(1, 1), 2.5F);
   EXPECT_TRUE(std::isnan(maps.disparity.at<float>(0, 0)));
-  EXPECT_TRUE(maps.confidence.empty());
+  EXPECT_TRUE(maps.confidence.empty() && maps.disparity_sigma.empty());
 }
 
 TEST(FileSource, ExtensionsMayBeInUpperCase) {
@@ -129,6 +131,9 @@ TEST(FileSource, NamesTheFileThatIsWrong) {
   writePfm(folder.file("Scene.pfm"), scene.truth);
   writePfm(folder.file("Scene_confidence.pfm"), cv::Mat::zeros(3, 4, CV_32FC1));
   EXPECT_TRUE(mentions(error("Scene_confidence.pfm"), {"4x3", "64x32"}));
+  writePfm(folder.file("Scene_confidence.pfm"), scene.truth);
+  writePfm(folder.file("Scene_sigma.pfm"), cv::Mat::zeros(3, 4, CV_32FC1));
+  EXPECT_TRUE(mentions(error("Scene_sigma.pfm"), {"4x3", "64x32"}));
 }
 
 }  // namespace

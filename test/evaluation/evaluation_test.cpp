@@ -44,7 +44,7 @@ class Evaluation : public testing::Test {
     const DisparitySource perfect = [this](const StereoScene& scene) {
       matched_.push_back(scene.name);
       SceneMaps maps;
-      maps.disparity = cv::Mat::ones(scene.left.size(), CV_32FC1);
+      maps.disparity = cv::Mat(scene.left.size(), CV_32FC1, cv::Scalar(1.0 + offset_));
       return maps;
     };
     return evaluateScenes(data_set, {"Teddy", "Shelves", "Piano"}, perfect, events_, report);
@@ -53,6 +53,7 @@ class Evaluation : public testing::Test {
   const TemporaryFolder folder_;
   EvaluationEvents events_;
   Truth truth_ = Truth::kRequired;
+  double offset_ = 0.0;  ///< error of all disparities, px
   Names progress_, failures_, matched_, mapped_;
   std::vector<std::size_t> sizes_;
 };
@@ -69,6 +70,14 @@ TEST_F(Evaluation, ScoresAllScenesWithTheirWeights) {
   EXPECT_EQ(mapped_, matched_);
   EXPECT_EQ(sizes_, (std::vector<std::size_t>{1, 2, 3}));
   EXPECT_EQ(progress_[0], "Teddy: bad 1 0.00 % of the non-occluded, 0.00 % of all pixels");
+}
+
+TEST_F(Evaluation, ScoresByTheReportsScoring) {
+  EvaluationReport report;
+  report.scoring.scale = 3.0;
+  offset_ = 1.0;
+  EXPECT_EQ(evaluate(report), 0);
+  EXPECT_EQ(report.find("Teddy")->noc[6], 3.0);  // average error, px
 }
 
 TEST_F(Evaluation, NamesBadScenesAndGoesOn) {
@@ -116,6 +125,10 @@ TEST_F(Evaluation, LeavesAloneWhatIsScoredAlready) {
   EXPECT_EQ(matched_, (Names{"Teddy", "Piano"}));
   EXPECT_EQ(report.find("Shelves")->noc[0], 77.0);
   EXPECT_EQ(report.find("Shelves")->weight, 0.5);
+  EvaluationReport scaled;
+  scaled.fingerprint = "same";
+  scaled.scoring.scale = 2.0;
+  EXPECT_EQ(resumeReport(earlier, data_set, {"Teddy"}, scaled), -1);
   EvaluationReport other;
   other.fingerprint = "other";
   EXPECT_EQ(resumeReport(earlier, data_set, {"Teddy"}, other), -1);

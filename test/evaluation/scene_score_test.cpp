@@ -39,7 +39,9 @@ StereoScene makeScene() {
 SceneMaps makeMaps() {
   SceneMaps maps;
   maps.disparity = (cv::Mat_<float>(2, 5) << 9, 4, 4.7F, 5.5F, 6.5F, 4, 7.5F, 8.5F, kInfinity, 4);
-  maps.confidence = (cv::Mat_<float>(2, 5) << 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+  maps.confidence =
+      (cv::Mat_<float>(2, 5) << 0.9F, 0.8F, 0.7F, 0.6F, 0.5F, 0.4F, 0.3F, 0.2F, 0.1F, 0);
+  maps.disparity_sigma = (cv::Mat_<float>(2, 5) << 1, 1, 0.5F, 1, 1, 1, 1, 1, 1, 1);
   maps.seconds = 2.0;
   return maps;
 }
@@ -70,7 +72,7 @@ TEST(SceneScore, HasTheMetricsOfVisibleAndOfAllPixels) {
   for (const auto& [values, mask] :
        {std::make_pair(score.noc, scene.visible), std::make_pair(score.all, everywhere)}) {
     expectMetrics(values, evaluateDisparity(maps.disparity, scene.truth, mask, kInfinity),
-                  sparsify(maps.disparity, maps.confidence, scene.truth, mask, kInfinity));
+                  sparsify(maps.disparity, maps.confidence, scene.truth, mask, kInfinity, 1.0F));
   }
   EXPECT_NEAR(metric(score.noc, "bad_0.5"), 600.0 / 7.0, 1e-12);
   EXPECT_NEAR(metric(score.all, "bad_0.5"), 700.0 / 9.0, 1e-12);
@@ -79,18 +81,71 @@ TEST(SceneScore, HasTheMetricsOfVisibleAndOfAllPixels) {
   EXPECT_NEAR(score.ns_per_hypothesis, 2e9 / (10 * 20), 1e-3);
 }
 
+TEST(SceneScore, HasTheMetricsOfConfidenceAndSigma) {
+  const StereoScene scene = makeScene();
+  const SceneMaps maps = makeMaps();
+  const SceneScore score = scoreScene(scene, maps);
+  const ConfidenceProfile profile = profileConfidence(maps.disparity, maps.confidence, scene.truth,
+                                                      scene.visible, kInfinity, 1.0F);
+  EXPECT_EQ(metric(score.noc, "ece"), calibrationError(profile));
+  EXPECT_EQ(metric(score.noc, "brier"), brierScore(profile));
+  EXPECT_EQ(score.noc_sums.confidence.pixels, 7.0);
+  EXPECT_EQ(score.all_sums.confidence.pixels, 9.0);
+  // Inliers: the second and third pixel, of errors 0 and 0.7 px, and of all pixels one more.
+  EXPECT_NEAR(metric(score.noc, "sigma_1"), 50.0, 1e-12);
+  EXPECT_NEAR(metric(score.all, "sigma_1"), 200.0 / 3.0, 1e-12);
+  EXPECT_NEAR(metric(score.all, "sigma_2"), 100.0, 1e-12);
+  EXPECT_NEAR(metric(score.noc, "sigma_rms"), 1.4 / std::sqrt(2.0), 1e-6);
+}
+
+TEST(SceneScore, CorrectIsWhatTheDataSetAllows) {
+  const StereoScene scene = makeScene();
+  const SceneMaps maps = makeMaps();
+  const SceneScore score = scoreScene(scene, maps, {3.0, 1.0});
+  const Sparsification sparsification =
+      sparsify(maps.disparity, maps.confidence, scene.truth, scene.visible, kInfinity, 3.0F);
+  EXPECT_EQ(metric(score.noc, "auc"), sparsification.auc);
+  EXPECT_EQ(metric(score.noc, "ece"),
+            calibrationError(profileConfidence(maps.disparity, maps.confidence, scene.truth,
+                                               scene.visible, kInfinity, 3.0F)));
+  EXPECT_EQ(metric(score.noc, "bad_1"), metric(scoreScene(scene, maps).noc, "bad_1"));
+}
+
+/// Errors are multiplied, so bad 2 is bad 1 of before; what the confidence and sigma say of the
+/// images' pixels is not changed by it.
+TEST(SceneScore, ScaleIsOfErrors) {
+  const StereoScene scene = makeScene();
+  const SceneMaps maps = makeMaps();
+  const cv::Mat disparity = maps.disparity.clone();
+  const SceneScore once = scoreScene(scene, maps);
+  const SceneScore twice = scoreScene(scene, maps, {1.0, 2.0});
+  for (const auto& [small, large] : {std::make_pair(once.noc, twice.noc), {once.all, twice.all}}) {
+    EXPECT_EQ(metric(large, "bad_1"), metric(small, "bad_0.5"));
+    EXPECT_EQ(metric(large, "bad_2"), metric(small, "bad_1"));
+    EXPECT_EQ(metric(large, "bad_4"), metric(small, "bad_2"));
+    EXPECT_EQ(metric(large, "avg"), 2.0 * metric(small, "avg"));
+    EXPECT_EQ(metric(large, "rms"), 2.0 * metric(small, "rms"));
+    for (const char* same : {"auc", "auc_optimal", "ece", "brier", "sigma_1", "sigma_2"}) {
+      EXPECT_EQ(metric(large, same), metric(small, same)) << same;
+    }
+  }
+  EXPECT_EQ(twice.density, once.density);
+  EXPECT_EQ(twice.ns_per_hypothesis, once.ns_per_hypothesis);
+  EXPECT_EQ(maps.disparity.at<float>(0, 0), disparity.at<float>(0, 0));
+}
+
 TEST(SceneScore, HasTheCurvesOfVisiblePixels) {
   const StereoScene scene = makeScene();
   const SceneMaps maps = makeMaps();
   const SceneCurves curves = scoreScene(scene, maps).curves;
   const Sparsification sparsification =
-      sparsify(maps.disparity, maps.confidence, scene.truth, scene.visible, kInfinity);
+      sparsify(maps.disparity, maps.confidence, scene.truth, scene.visible, kInfinity, 1.0F);
   ASSERT_EQ(curves.sparsification.size(), kKeptPercents.size());
   ASSERT_EQ(curves.sparsification_optimal.size(), kKeptPercents.size());
   for (std::size_t p = 0; p < kKeptPercents.size(); ++p) {
     const auto k = static_cast<std::size_t>(kKeptPercents[p] - 1);
-    EXPECT_EQ(curves.sparsification[p], sparsification.bad_1[k]);
-    EXPECT_EQ(curves.sparsification_optimal[p], sparsification.bad_1_optimal[k]);
+    EXPECT_EQ(curves.sparsification[p], sparsification.bad[k]);
+    EXPECT_EQ(curves.sparsification_optimal[p], sparsification.bad_optimal[k]);
   }
   const DisparityError error =
       evaluateDisparity(maps.disparity, scene.truth, scene.visible, kInfinity);
@@ -101,10 +156,15 @@ TEST(SceneScore, HasTheCurvesOfVisiblePixels) {
 TEST(SceneScore, LeavesOpenWhatIsNotKnown) {
   SceneMaps maps = makeMaps();
   maps.confidence.release();
+  maps.disparity_sigma.release();
   maps.seconds = kNotMeasured;
   const SceneScore score = scoreScene(makeScene(), maps);
   EXPECT_TRUE(std::isnan(metric(score.noc, "auc")));
   EXPECT_TRUE(std::isnan(metric(score.all, "auc_optimal")));
+  for (std::size_t m = kErrorMetrics; m < kMetrics.size(); ++m) {
+    EXPECT_TRUE(std::isnan(score.noc[m]) && std::isnan(score.all[m])) << kMetrics[m].name;
+  }
+  EXPECT_TRUE(score.noc_sums.confidence.bins.empty());
   EXPECT_TRUE(std::isnan(score.seconds));
   EXPECT_TRUE(std::isnan(score.ns_per_hypothesis));
   EXPECT_TRUE(score.curves.sparsification.empty() && score.curves.sparsification_optimal.empty());
@@ -132,7 +192,7 @@ TEST(SceneScore, MeansAreOverScenesAndByWeight) {
   b.seconds = 4.0;
   const SceneScore mean = meanScore({a, b}, false);
   const SceneScore weighted = meanScore({a, b}, true);
-  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
+  for (const std::size_t m : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14}) {  // not pooled
     EXPECT_NEAR(mean.noc[m], 25.0, 1e-12);
     EXPECT_NEAR(mean.all[m], 50.0, 1e-12);
     EXPECT_NEAR(weighted.noc[m], 20.0, 1e-12);
@@ -144,6 +204,28 @@ TEST(SceneScore, MeansAreOverScenesAndByWeight) {
   EXPECT_NEAR(weighted.ns_per_hypothesis, 8.0, 1e-12);
   EXPECT_EQ(mean.scene, "mean");
   EXPECT_EQ(weighted.scene, "weighted mean");
+}
+
+/// Two scenes whose gaps cancel, of different sizes: calibrated together, though neither is.
+TEST(SceneScore, CalibrationAndSigmaAreOfThePixelsOfAllScenes) {
+  SceneScore sure;
+  sure.noc_sums.confidence.bins.resize(kConfidenceBins);
+  sure.noc_sums.confidence.pixels = 10.0;
+  sure.noc_sums.confidence.bins[100] = {10.0, 5.0, 10.0, 10.0, 10.0};  // none is correct
+  sure.noc_sums.sigma = {10.0, 5.0, 5.0, 5.0, 5.0};
+  SceneScore modest = sure;
+  modest.noc_sums.confidence.pixels = 1000.0;
+  modest.noc_sums.confidence.bins[100] = {1000.0, 500.0, 0.0, 0.0, 0.0};  // all are
+  modest.noc_sums.sigma = {1000.0, 500.0, 0.0, 500.0, 1000.0};
+  modest.weight = 0.5;
+  const SceneScore mean = meanScore({sure, modest}, false);
+  EXPECT_NEAR(metric(mean.noc, "ece"), 0.0, 1e-12);
+  EXPECT_NEAR(metric(mean.noc, "sigma_1"), 50.0, 1e-12);
+  EXPECT_NEAR(metric(mean.noc, "sigma_2"), 100.0, 1e-12);
+  EXPECT_NEAR(metric(mean.noc, "sigma_rms"), std::sqrt(1.5), 1e-12);
+  const SceneScore weighted = meanScore({sure, modest}, true);
+  EXPECT_NEAR(metric(weighted.noc, "ece"), 1.0 / 6.0, 1e-12);
+  EXPECT_NEAR(metric(weighted.noc, "sigma_1"), 200.0 / 3.0, 1e-12);
 }
 
 }  // namespace

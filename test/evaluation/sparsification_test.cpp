@@ -14,20 +14,23 @@ namespace cbmv {
 namespace {
 
 constexpr float kInvalid = -1.0F;
+constexpr float kBadPx = 1.0F;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-bool isBad(float disparity, float truth) {
-  return disparity == kInvalid || !std::isfinite(disparity) || std::abs(disparity - truth) > 1.0F;
+bool hasNone(float disparity) { return disparity == kInvalid || !std::isfinite(disparity); }
+
+bool isBad(float disparity, float truth, float bad_px) {
+  return hasNone(disparity) || std::abs(disparity - truth) > bad_px;
 }
 
 /// Bad pixels, in percent, among the best `kept` of the counted ones: each pixel is taken with the
 /// part of it that is left after all better pixels, shared with its equals.
 double naiveBad(const cv::Mat& disparity, const cv::Mat& score, const cv::Mat& truth,
-                const cv::Mat& mask, double kept) {
+                const cv::Mat& mask, double kept, float bad_px) {
   double bad = 0.0;
   for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
     if (mask.at<uchar>(i) != 255 || !std::isfinite(truth.at<float>(i)) ||
-        !isBad(disparity.at<float>(i), truth.at<float>(i))) {
+        !isBad(disparity.at<float>(i), truth.at<float>(i), bad_px)) {
       continue;
     }
     double better = 0.0;
@@ -44,26 +47,28 @@ double naiveBad(const cv::Mat& disparity, const cv::Mat& score, const cv::Mat& t
 }
 
 void expectNaive(const cv::Mat& disparity, const cv::Mat& confidence, const cv::Mat& truth,
-                 const cv::Mat& mask) {
-  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid);
+                 const cv::Mat& mask, float bad_px) {
+  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid, bad_px);
   const auto pixels =
       static_cast<double>(evaluateDisparity(disparity, truth, mask, kInvalid).pixels);
   cv::Mat oracle(truth.size(), CV_32FC1);
   cv::Mat score = confidence.clone();
   for (int i = 0; i < static_cast<int>(truth.total()); ++i) {
-    oracle.at<float>(i) = isBad(disparity.at<float>(i), truth.at<float>(i)) ? 0.0F : 1.0F;
-    score.at<float>(i) = std::isnan(confidence.at<float>(i)) ? -99.0F : confidence.at<float>(i);
+    oracle.at<float>(i) = isBad(disparity.at<float>(i), truth.at<float>(i), bad_px) ? 0.0F : 1.0F;
+    score.at<float>(i) = std::isnan(confidence.at<float>(i)) || hasNone(disparity.at<float>(i))
+                             ? -99.0F
+                             : confidence.at<float>(i);
   }
   double auc = 0.0;
   double auc_optimal = 0.0;
-  ASSERT_EQ(result.bad_1.size(), 100U);
+  ASSERT_EQ(result.bad.size(), 100U);
   for (int k = 0; k < 100; ++k) {
     const double kept = pixels * (k + 1) / 100.0;
-    const double expected = naiveBad(disparity, score, truth, mask, kept);
-    ASSERT_NEAR(result.bad_1[static_cast<std::size_t>(k)], expected, 1e-9) << k;
+    const double expected = naiveBad(disparity, score, truth, mask, kept, bad_px);
+    ASSERT_NEAR(result.bad[static_cast<std::size_t>(k)], expected, 1e-9) << k;
     auc += expected / 100.0;
-    const double optimal = naiveBad(disparity, oracle, truth, mask, kept);
-    ASSERT_NEAR(result.bad_1_optimal[static_cast<std::size_t>(k)], optimal, 1e-9) << k;
+    const double optimal = naiveBad(disparity, oracle, truth, mask, kept, bad_px);
+    ASSERT_NEAR(result.bad_optimal[static_cast<std::size_t>(k)], optimal, 1e-9) << k;
     auc_optimal += optimal / 100.0;
   }
   EXPECT_NEAR(result.auc, auc, 1e-9);
@@ -90,7 +95,8 @@ TEST(Sparsification, AgreesWithTheDefinition) {
           confidence.at<float>(x - 3) = levels > 1 ? kNan : 0.0F;
         }
       }
-      expectNaive(disparity, confidence, truth, mask);
+      expectNaive(disparity, confidence, truth, mask, 1.0F);
+      expectNaive(disparity, confidence, truth, mask, 3.0F);
     }
   }
 }
@@ -102,11 +108,11 @@ TEST(Sparsification, MatchesAHandComputedCase) {
   const cv::Mat disparity = (cv::Mat_<float>(2, 2) << 0, 5, 1, 0.5F);
   const cv::Mat confidence = (cv::Mat_<float>(2, 2) << 0.9F, 0.8F, 0.7F, 0.6F);
   const cv::Mat mask(2, 2, CV_8UC1, cv::Scalar(255));
-  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid);
-  EXPECT_NEAR(result.bad_1[24], 0.0, 1e-12);
-  EXPECT_NEAR(result.bad_1[49], 50.0, 1e-12);
-  EXPECT_NEAR(result.bad_1[74], 100.0 / 3.0, 1e-12);
-  EXPECT_NEAR(result.bad_1[99], 25.0, 1e-12);
+  const Sparsification result = sparsify(disparity, confidence, truth, mask, kInvalid, kBadPx);
+  EXPECT_NEAR(result.bad[24], 0.0, 1e-12);
+  EXPECT_NEAR(result.bad[49], 50.0, 1e-12);
+  EXPECT_NEAR(result.bad[74], 100.0 / 3.0, 1e-12);
+  EXPECT_NEAR(result.bad[99], 25.0, 1e-12);
   // The optimum: a share of e = 1/4 bad pixels has area e + (1 − e) ln(1 − e), here in 100 steps.
   EXPECT_NEAR(result.auc_optimal, 100.0 * (0.25 + 0.75 * std::log(0.75)), 0.2);
 }
@@ -117,26 +123,27 @@ TEST(Sparsification, AConfidenceThatKnowsNothingHasTheErrorOfAllPixels) {
   disparity.rowRange(0, 1) = 7.0F;
   const cv::Mat mask(4, 5, CV_8UC1, cv::Scalar(255));
   const Sparsification result =
-      sparsify(disparity, cv::Mat::ones(4, 5, CV_32FC1), truth, mask, kInvalid);
+      sparsify(disparity, cv::Mat::ones(4, 5, CV_32FC1), truth, mask, kInvalid, kBadPx);
   EXPECT_NEAR(result.auc, 25.0, 1e-9);
-  EXPECT_NEAR(result.bad_1.front(), 25.0, 1e-9);
+  EXPECT_NEAR(result.bad.front(), 25.0, 1e-9);
 }
 
 TEST(Sparsification, NothingCountedIsAllZero) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
-  const Sparsification result = sparsify(map, map, map, cv::Mat::zeros(3, 3, CV_8UC1), kInvalid);
+  const Sparsification result =
+      sparsify(map, map, map, cv::Mat::zeros(3, 3, CV_8UC1), kInvalid, kBadPx);
   EXPECT_EQ(result.auc, 0.0);
   EXPECT_EQ(result.auc_optimal, 0.0);
-  EXPECT_EQ(result.bad_1, std::vector<double>(100, 0.0));
+  EXPECT_EQ(result.bad, std::vector<double>(100, 0.0));
 }
 
 TEST(Sparsification, RefusesOtherSizesAndTypes) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
-  EXPECT_THROW(sparsify(map, map.rowRange(0, 2), map, mask, kInvalid), Error);
-  EXPECT_THROW(sparsify(map, mask, map, mask, kInvalid), Error);
-  EXPECT_THROW(sparsify(map, map, map, mask.colRange(0, 2), kInvalid), Error);
-  EXPECT_THROW(sparsify(map, map, map.colRange(0, 2), mask, kInvalid), Error);
+  EXPECT_THROW(sparsify(map, map.rowRange(0, 2), map, mask, kInvalid, kBadPx), Error);
+  EXPECT_THROW(sparsify(map, mask, map, mask, kInvalid, kBadPx), Error);
+  EXPECT_THROW(sparsify(map, map, map, mask.colRange(0, 2), kInvalid, kBadPx), Error);
+  EXPECT_THROW(sparsify(map, map, map.colRange(0, 2), mask, kInvalid, kBadPx), Error);
 }
 
 }  // namespace

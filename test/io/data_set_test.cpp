@@ -104,6 +104,17 @@ TEST_F(DataSetTest, ReadsMiddleburyV3) {
   EXPECT_EQ(scene.right.at<uchar>(1, 1), 77);
 }
 
+TEST_F(DataSetTest, CorrectIsWhatTheTruthCanTell) {
+  writeMiddleburyScene("v3/Teddy");
+  writeMiddlebury2005Scene("2005/Art");
+  writeKittiScene("000007_10", "2012/", "image_0", "image_1", "disp_noc");
+  writeKittiScene("000001_10", "2015/", "image_2", "image_3", "disp_noc_0");
+  EXPECT_EQ(open("middlebury_v3", "v3").correctPx(), 1.0);
+  EXPECT_EQ(open("middlebury_2005", "2005").correctPx(), 1.0);
+  EXPECT_EQ(open("kitti2012", "2012").correctPx(), 3.0);
+  EXPECT_EQ(open("kitti2015", "2015").correctPx(), 3.0);
+}
+
 TEST_F(DataSetTest, HalfWeightsAreTheOfficialOnes) {
   writeMiddleburyScene("v3/Teddy");
   writeMiddlebury2005Scene("2005/Art");

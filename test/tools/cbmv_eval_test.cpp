@@ -14,7 +14,7 @@
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "cbmv_stereo/evaluation/json_report.h"
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/io/pfm.h"
 
@@ -72,7 +72,10 @@ TEST_F(EvalTest, ReportIsAPageThatNeedsNoOtherFile) {
   EXPECT_THAT(page, HasSubstr("middlebury.forest"));
   EXPECT_EQ(count(page, "<td>One</td>"), 2);  // of noc and all pixels
   EXPECT_EQ(count(page, "<img [^>]*src=\"data:image/jpeg;base64,"), 2 * 5);
-  EXPECT_EQ(count(page, "<svg"), 1 + 2 + 2);  // the means, two of bars, one a scene
+  EXPECT_EQ(count(page, "<svg"),
+            1 + 1 + 2 + 2);  // the means, reliability, two of bars, one a scene
+  EXPECT_EQ(count(page, "<td>min_confidence 0\\.[3579]</td>"), 4);
+  EXPECT_EQ(count(page, "most confident [0-9]|Standard deviation"), 0);  // not asked for, not known
   EXPECT_EQ(count(page, "src=\"(?!data:)"), 0);
   EXPECT_EQ(count(page, "href=\"(?!#)"), 0);
   EXPECT_EQ(count(page, "url\\((?!#)"), 0);
@@ -93,6 +96,54 @@ TEST_F(EvalTest, ReportOfReadyMapsHasNoSparsification) {
   EXPECT_THAT(page, HasSubstr("ready disparity maps"));
   EXPECT_EQ(count(page, "most confident pixels kept"), 0);
   EXPECT_EQ(count(page, "<img "), 2 * 4);  // no confidence
+}
+
+/// The true disparities, 0.45 px too high, with a confidence of 1 and a sigma of 0.4 px.
+TEST_F(EvalTest, ReadyMapsHaveOperatingPointsAndSigma) {
+  for (const char* scene : {"One", "Two"}) {
+    const cv::Mat truth = readPfm(path(std::string("testQ/") + scene + "/disp0GT.pfm"));
+    const std::string base = path(std::string("maps/") + scene);
+    fs::create_directories(path("maps"));
+    writePfm(base + ".pfm", truth + 0.45F);
+    writePfm(base + "_confidence.pfm", cv::Mat::ones(truth.size(), CV_32FC1));
+    writePfm(base + "_sigma.pfm", cv::Mat(truth.size(), CV_32FC1, cv::Scalar(0.4)));
+  }
+  const Outcome outcome = run(
+      "cbmv_eval", "--dataset middlebury_v3:" + path("testQ") + " --disparities " + path("maps") +
+                       " --density 80 --error-scale 4 --json " + path("r.json") + " --markdown " +
+                       path("r.md") + " --maps " + path("page/maps") + " --report " + path("page"));
+  ASSERT_EQ(outcome.status, 0) << outcome.output;
+  const EvaluationReport report = readJsonReport(path("r.json"));
+  EXPECT_EQ(report.scoring.scale, 4.0);
+  EXPECT_EQ(report.find("One")->noc[1], 100.0);  // bad 1, of 0.45 px at the scale of 4
+  EXPECT_EQ(report.find("One")->noc[2], 0.0);    // bad 2
+  EXPECT_EQ(report.find("One")->noc[13], 0.0);   // ece: 0.45 px of the images is correct
+  EXPECT_EQ(report.find("One")->noc[15], 0.0);   // sigma_1
+  EXPECT_EQ(report.find("One")->noc[16], 100.0);
+  EXPECT_THAT(contentOf(path("r.md")), HasSubstr("correct up to 4 px"));
+  EXPECT_THAT(contentOf(path("r.md")), HasSubstr("most confident 80 %, one threshold"));
+  const std::string page = contentOf(path("page/index.html"));
+  EXPECT_EQ(count(page, "<td>most confident 80 %, (one threshold|a threshold per scene)</td>"), 2);
+  EXPECT_THAT(page, HasSubstr("Standard deviation of disparities"));
+  EXPECT_THAT(page, HasSubstr("off by more than 4 px"));
+}
+
+TEST_F(EvalTest, FoldsCanBeTrainedOnAnotherFolder) {
+  fs::rename(path("testQ"), path("oldQ"));
+  fs::create_directory(path("testQ"));
+  fs::rename(path("oldQ/One"), path("testQ/Teddy"));  // of the first fold
+  writeScene(path("trainQ/Piano"), renderScene(120, 60, 3));
+  writeScene(path("trainQ/Teddy"), renderScene(120, 60, 4));
+  const std::string data = "--dataset middlebury_v3:" + path("testQ") + " ";
+  const std::string training = " --train-dataset middlebury_v3:" + path("trainQ") +
+                               " --trees 4 --depth 3 --pixels-per-scene 500";
+  const Outcome outcome = run("cbmv_eval", data + "--folds 3 --json " + path("r.json") + training);
+  ASSERT_EQ(outcome.status, 0) << outcome.output;  // testQ alone has no scene of another fold
+  EXPECT_EQ(readJsonReport(path("r.json")).scenes.size(), 1U);
+  expectRefusal(run("cbmv_eval", data + "--forest " + kForest + training), {"--train-dataset"}, 2);
+  writeScene(path("two_view/Piano"), renderScene(120, 60, 3));
+  expectRefusal(run("cbmv_eval", data + "--folds 3 --train-dataset eth3d:" + path("two_view")),
+                {"eth3d", "expected middlebury_v3"});
 }
 
 TEST_F(EvalTest, WithoutMatplotlibAllButThePageIsThere) {
@@ -222,7 +273,19 @@ TEST_F(EvalTest, ResumesTheSameDataSetOnly) {
   EXPECT_THAT(contentOf(path("page/report.json")), Not(HasSubstr("otherQ")));
 }
 
+TEST_F(EvalTest, ReportsOfOlderVersionsAreNotResumed) {
+  std::ofstream(path("r.json")) << R"({"forest": null, "preset": null, "fingerprint": "01234567",
+                                       "scenes": [], "mean": null, "weighted_mean": null})";
+  expectRefusal(evaluate("--resume --json " + path("r.json")),
+                {path("r.json"), "version 1", "without --resume"});
+  EXPECT_EQ(evaluate("--json " + path("r.json")).status, 0);
+}
+
 TEST_F(EvalTest, RefusesBeforeItStarts) {
+  for (const char* percent : {"0", "101", "x"}) {
+    expectRefusal(evaluate(std::string("--density ") + percent), {"--density", "up to 100"}, 2);
+  }
+  expectRefusal(evaluate("--error-scale 0"), {"--error-scale", "above 0"}, 2);
   expectRefusal(evaluate("--resume"), {"--resume needs --json or --report"});
   fs::rename(path("testQ"), path("renamed"));
   const std::string rest = path("renamed") + " --forest " + kForest + " --submission " + path("u");

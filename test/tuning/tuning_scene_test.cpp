@@ -96,6 +96,7 @@ TEST_F(TuningSceneTest, NamesWhatIsWrong) {
   EXPECT_TRUE(
       mentions(errorText([] { parseErrorSum("bad_1+bad_7"); }), {"bad_7", "bad_0.5", "avg"}));
   EXPECT_TRUE(mentions(errorText([] { parseErrorSum("auc"); }), {"auc", "rms"}));
+  EXPECT_TRUE(mentions(errorText([] { parseErrorSum("sigma_rms"); }), {"sigma_rms", "a99"}));
   TuningScene scene = prepareScene(scenes_[1], forest_, {}, 0);
   scene.scene.visible.setTo(0);
   EXPECT_TRUE(mentions(errorText([&] { TuningScorer().error(scene, {}); }), {"scene Two"}));

@@ -24,11 +24,11 @@ SceneMaps toSceneMaps(const StereoResult& result);
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options);
 
 /// Reads `folder`/SCENE.pfm or, without it, SCENE.png (16 bits, value / 256, 0 = none), and
-/// SCENE_confidence.pfm where it is there. Sizes must be those of the scene.
+/// SCENE_confidence.pfm and SCENE_sigma.pfm where they are there. Sizes must be those of the scene.
 DisparitySource fileSource(const std::string& folder);
 
-/// Writes SCENE.pfm (no disparity: infinity) and SCENE_confidence.pfm, so that fileSource gives the
-/// same maps, except for the time.
+/// Writes SCENE.pfm (no disparity: infinity) and, where they are known, SCENE_confidence.pfm and
+/// SCENE_sigma.pfm, so that fileSource gives the same maps, except for the time.
 void writeMaps(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
 
 }  // namespace cbmv

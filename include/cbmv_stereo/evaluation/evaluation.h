@@ -19,15 +19,16 @@ struct EvaluationEvents {
 };
 
 /// Matches the scenes, in this order, and puts their scores into `report`, or only their names
-/// where there is no ground truth; leaves alone those that are in it already. A scene that cannot
-/// be read, matched or scored is told by `failure` and left out. Returns how many these are.
+/// where there is no ground truth, by `report.scoring`; leaves alone those that are in it already.
+/// A scene that cannot be read, matched or scored is told by `failure` and left out. Returns how
+/// many these are.
 int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scenes,
                    const DisparitySource& source, const EvaluationEvents& events,
                    EvaluationReport& report);
 
 /// Takes over into `report`, which has no scenes yet, those of `scenes` that an earlier report of
-/// the same fingerprint holds, scored or not. Returns how many these are, −1 when the fingerprints
-/// differ.
+/// the same fingerprint and scoring holds, scored or not. Returns how many these are, −1 when the
+/// fingerprints or scorings differ.
 int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
                  const std::vector<std::string>& scenes, EvaluationReport& report);
 

@@ -57,12 +57,17 @@ class DataSet {
   /// Vintage of Middlebury v3, else 1.
   double weight(const std::string& scene) const;
 
+  /// Largest error of a disparity, px, that still counts as correct where confidences are measured:
+  /// 3 for KITTI, whose truth is not better, else 1.
+  double correctPx() const { return correct_px_; }
+
  private:
   DataSet() = default;
   std::string kind_;
   std::string folder_;
   std::string title_;
   std::string name_;
+  double correct_px_ = 1.0;
   std::vector<std::string> scenes_;
   std::shared_ptr<const SceneReader> reader_;
 };

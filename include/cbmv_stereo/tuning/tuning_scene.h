@@ -22,7 +22,7 @@ struct ErrorSum {
   double of(const MetricValues& values) const;
 };
 
-/// The errors of `name`: a name of kMetrics, but those of the confidence, or several joined by +.
+/// The errors of `name`: one of the first kErrorMetrics of kMetrics, or several joined by +.
 /// Throws Error that lists the names.
 ErrorSum parseErrorSum(const std::string& name);
 
