@@ -68,7 +68,7 @@ SceneMaps toSceneMaps(const StereoResult& result) {
   SceneMaps maps;
   maps.disparity = result.disparity.clone();
   maps.confidence = result.confidence;
-  maps.disparity_sigma = cv::Mat();  // of StereoResult::disparity_sigma, once it has one
+  maps.disparity_sigma = result.disparity_sigma;
   maps.seconds = result.times.total_ms / 1000.0;
   maps.disparity.setTo(std::numeric_limits<float>::infinity(),
                        maps.disparity == result.range.invalid());
