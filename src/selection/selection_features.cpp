@@ -23,7 +23,7 @@ enum ProposalFeature {
   kConfidence,
   kConfidence5,
   kConfidence12,
-  kConfidence36,
+  kConfidence20,
   kUnmatched,
   kUnmatched5,
   kProbability5,
@@ -158,7 +158,7 @@ void codePixels(const ProposalBlock& block, std::int8_t* const* codes) {
   codeBytes(block.confidence, block.count, codes[kConfidence]);
   codeMeans(block.confidence_sums, block.count, codes[kConfidence5]);
   codeCells(block.confidence_cells[0], block.count, codes[kConfidence12]);
-  codeCells(block.confidence_cells[1], block.count, codes[kConfidence36]);
+  codeCells(block.confidence_cells[1], block.count, codes[kConfidence20]);
   codeBytes(block.unmatched, block.count, codes[kUnmatched]);
   codeMeans(block.unmatched_sums, block.count, codes[kUnmatched5]);
   codeMeans(block.probability_sums, block.count, codes[kProbability5]);
@@ -203,7 +203,7 @@ HWY_EXPORT(codeBlock);
 
 /// The padding, and what a block reads beyond the last pixel of a row.
 constexpr int kPadding = ConfidencePlanes::kBorderPx;
-constexpr std::array<int, 2> kConfidenceCells = {3, 9};
+constexpr std::array<int, 2> kConfidenceCells = {3, 5};
 
 void pad(const cv::Mat& map, cv::Mat& padded) {
   cv::copyMakeBorder(map, padded, kPadding, kPadding, kPadding, kPadding + kBlock,
@@ -217,7 +217,7 @@ const std::vector<std::string>& selectionFeatureNames() {
       "change",          "left_right",    "border",        "distance",
       "source",          "support_5",     "weighted_support_5", "support_17",
       "weighted_support_17", "confidence", "confidence_5", "confidence_12",
-      "confidence_36",   "unmatched",     "unmatched_5",   "probability_5",
+      "confidence_20",   "unmatched",     "unmatched_5",   "probability_5",
       "own_support_5",   "own_weighted_support_17"};
   return names;
 }

@@ -115,7 +115,6 @@ void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& co
   const HeldOutBand band(disparity.rows, seed);
   const DrawnPixels drawn = draw(disparity.size(), band, pixels, seed, [&](int y, int x) {
     return std::isfinite(scene.truth.at<float>(y, x)) &&
-           judge.confidence().at<std::uint8_t>(y, x) < ConfidentNeighbors::kConfident &&
            disparity.at<float>(y, x) != invalid;
   });
   ConfidenceForest shape;

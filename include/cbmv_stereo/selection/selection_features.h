@@ -24,7 +24,7 @@ namespace cbmv {
 ///   support_5     part of the 5 × 5 px around whose disparity is within 1 px of it, in 1/250
 ///   weighted_support_5   the same, each pixel weighted with its confidence
 ///   support_17, weighted_support_17   the same for 25 pixels 4 px apart
-///   confidence, confidence_5, _12, _36   of the map: of the pixel and mean over windows
+///   confidence, confidence_5, _12, _20   of the map: of the pixel and mean over windows
 ///   unmatched, unmatched_5, probability_5   as confidenceFeatureNames
 ///   own_support_5, own_weighted_support_17   those of the map's disparity
 const std::vector<std::string>& selectionFeatureNames();
@@ -40,7 +40,7 @@ class ConfidencePlanes {
   cv::Mat confidence;
   cv::Mat padded_confidence;           ///< CV_16SC1, border repeated
   cv::Mat padded_disparity;            ///< CV_16SC1, border repeated
-  std::array<cv::Mat, 2> cell_means;   ///< of windows of 3 and 9 cells, CV_32SC1
+  std::array<cv::Mat, 2> cell_means;   ///< of windows of 3 and 5 cells, CV_32SC1
   ConfidentNeighbors neighbors;
 
  private:

@@ -28,9 +28,8 @@ inline constexpr float kCorrectPx = 1.0F;
 void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_t seed,
                              ConfidenceSamples& samples);
 
-/// The same for the selection forest (selectionFeatureNames): the proposals of pixels that
-/// `confidence` finds unsure, each different one a sample. `confidence` must not have been trained
-/// on the scene.
+/// The same for the selection forest (selectionFeatureNames): each different proposal of a pixel is a
+/// sample. `confidence` must not have been trained on the scene.
 void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& confidence,
                             long pixels, std::uint64_t seed, ConfidenceSamples& samples);
 
