@@ -39,7 +39,7 @@ void evaluate(const cbmv::ForestEvaluator& evaluator) {
 
 void evaluate(const cbmv::ConfidenceForest& forest) {
   cbmv::ConfidenceCodes codes(forest);
-  for (std::size_t f = 0; f < forest.code_maps.size(); ++f) {
+  for (std::size_t f = 0; f < forest.feature_names.size(); ++f) {
     std::int8_t* line = codes.line(static_cast<int>(f));
     std::iota(line, line + kHypotheses, std::int8_t{-128});
   }

@@ -72,20 +72,16 @@ Json treesToJson(const std::vector<Tree>& trees) {
   return array;
 }
 
-template <typename Maps>
-void addOblivious(const ObliviousForest& forest, const Maps& maps, Json& model) {
+void addScale(const ObliviousForest& forest, Json& model) {
   model["leaf_unit"] = forest.leaf_unit;
   model["bias"] = forest.bias;
-  for (const CodeMap& map : maps) {
-    model["code_maps"].push_back({map.scale, map.offset});
-  }
-  model["trees"] = treesToJson(forest.trees);
 }
 
 Json confidenceToJson(const ConfidenceForest& forest) {
   Json model;
   model["features"] = forest.feature_names;
-  addOblivious(forest, forest.code_maps, model);
+  addScale(forest, model);
+  model["trees"] = treesToJson(forest.trees);
   if (!forest.sigma_coefficients.empty()) {
     model["sigma_coefficients"] = forest.sigma_coefficients;
     model["sigma_bounds_px"] = forest.sigma_bounds_px;
@@ -97,7 +93,11 @@ Json modelToJson(const Forest& forest) {
   Json model;
   model["features"] = kFeatureCount;
   if (forest.general_trees.empty()) {
-    addOblivious(forest, forest.quantizer.maps, model);
+    addScale(forest, model);
+    for (const CodeMap& map : forest.quantizer.maps) {
+      model["code_maps"].push_back({map.scale, map.offset});
+    }
+    model["trees"] = treesToJson(forest.trees);
   } else {
     model["kind"] = kGeneral;
     model["output"] = forest.output == ForestOutput::kLogOdds ? kLogOdds : kProbability;
@@ -154,22 +154,24 @@ ObliviousTree treeFromJson(const Json& json, std::size_t features) {
   return tree;
 }
 
-/// `maps` has an entry per feature; they come from the file, too.
-template <typename Maps>
-void obliviousFromJson(const Json& model, ObliviousForest& forest, Maps& maps) {
+void obliviousFromJson(const Json& model, std::size_t features, ObliviousForest& forest) {
   forest.leaf_unit = model.at("leaf_unit").get<double>();
   forest.bias = model.at("bias").get<double>();
-  const Json& pairs = model.at("code_maps");
-  if (pairs.size() != maps.size()) {
-    throw Fault("it has " + std::to_string(pairs.size()) + " code maps instead of " +
-                std::to_string(maps.size()));
-  }
-  for (std::size_t f = 0; f < maps.size(); ++f) {
-    maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
-  }
   for (const Json& tree : model.at("trees")) {
-    forest.trees.push_back(treeFromJson(tree, maps.size()));
+    forest.trees.push_back(treeFromJson(tree, features));
   }
+}
+
+FeatureQuantizer quantizerFromJson(const Json& pairs) {
+  FeatureQuantizer quantizer;
+  if (pairs.size() != quantizer.maps.size()) {
+    throw Fault("has " + std::to_string(pairs.size()) + " code maps instead of " +
+                std::to_string(quantizer.maps.size()));
+  }
+  for (std::size_t f = 0; f < quantizer.maps.size(); ++f) {
+    quantizer.maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
+  }
+  return quantizer;
 }
 
 void generalFromJson(const Json& model, Forest& forest) {
@@ -195,7 +197,8 @@ void modelFromJson(const Json& model, Forest& forest) {
   integerIn(model.at("features"), kFeatureCount, kFeatureCount, "the number of features");
   const std::string kind = model.value("kind", kOblivious);
   if (kind == kOblivious) {
-    obliviousFromJson(model, forest, forest.quantizer.maps);
+    forest.quantizer = quantizerFromJson(model.at("code_maps"));
+    obliviousFromJson(model, kFeatureCount, forest);
   } else if (kind == kGeneral) {
     generalFromJson(model, forest);
   } else {
@@ -230,8 +233,7 @@ ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
   ConfidenceForest forest;
   try {
     forest.feature_names = model.at("features").get<std::vector<std::string>>();
-    forest.code_maps.resize(forest.feature_names.size());
-    obliviousFromJson(model, forest, forest.code_maps);
+    obliviousFromJson(model, forest.feature_names.size(), forest);
     if (model.contains("sigma_coefficients")) {
       forest.sigma_coefficients = model["sigma_coefficients"].get<std::vector<double>>();
       forest.sigma_bounds_px = model.at("sigma_bounds_px").get<std::array<double, 2>>();
@@ -368,15 +370,16 @@ void checkScale(const ObliviousForest& forest) {
         "has a leaf unit or bias that is not a number of reasonable size");
 }
 
-/// Trees, scale and maps; `maps` has an entry per feature.
-template <typename Maps>
-void checkOblivious(const ObliviousForest& forest, const Maps& maps, int most_trees) {
+void checkOblivious(const ObliviousForest& forest, std::size_t features, int most_trees) {
   checkTreeCount(forest.trees.size(), most_trees);
   for (std::size_t t = 0; t < forest.trees.size(); ++t) {
-    checkTree(forest.trees[t], maps.size(), "tree " + std::to_string(t));
+    checkTree(forest.trees[t], features, "tree " + std::to_string(t));
   }
   checkScale(forest);
-  for (const CodeMap& map : maps) {
+}
+
+void checkQuantizer(const FeatureQuantizer& quantizer) {
+  for (const CodeMap& map : quantizer.maps) {
     check(std::isfinite(map.scale) && std::isfinite(map.offset) && map.scale > 0,
           "has a code map that is not finite and increasing");
   }
@@ -419,10 +422,7 @@ void checkSigma(const ConfidenceForest& forest) {
 void checkConfidence(const ConfidenceForest& forest) {
   try {
     checkFeatureNames(forest.feature_names);
-    check(forest.code_maps.size() == forest.feature_names.size(),
-          "has " + std::to_string(forest.code_maps.size()) + " code maps instead of " +
-              std::to_string(forest.feature_names.size()));
-    checkOblivious(forest, forest.code_maps, ConfidenceForest::kMaxTrees);
+    checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
     checkSigma(forest);
     const std::size_t importances = forest.record.feature_importance.size();
     check(importances == 0 || importances == forest.feature_names.size(),
@@ -435,7 +435,8 @@ void checkConfidence(const ConfidenceForest& forest) {
 
 void checkForest(const Forest& forest) {
   if (forest.general_trees.empty()) {
-    checkOblivious(forest, forest.quantizer.maps, Forest::kMaxTrees);
+    checkOblivious(forest, kFeatureCount, Forest::kMaxTrees);
+    checkQuantizer(forest.quantizer);
   } else {
     checkGeneral(forest);
   }

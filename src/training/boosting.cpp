@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -29,13 +28,13 @@ CodeMap mapBetween(float lowest, float highest) {
   return {scale, 1.0F - scale * lowest};
 }
 
-/// Codes of all samples, a column a feature.
-template <typename Columns, typename Maps>
-std::vector<Booster::Column> codesOf(const Columns& columns, const Maps& maps) {
-  std::vector<Booster::Column> codes(columns.size());
-  tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t f) {
-    codes[f].resize(columns[f].size());
-    quantize(maps[f], columns[f].data(), static_cast<int>(columns[f].size()), codes[f].data());
+/// Codes of all samples, a column per feature.
+std::vector<Booster::Column> codesOf(const Samples& samples, const FeatureQuantizer& quantizer) {
+  std::vector<Booster::Column> codes(kFeatureCount);
+  tbb::parallel_for(0, kFeatureCount, [&](int f) {
+    const std::vector<float>& values = samples.features[f];
+    codes[f].resize(values.size());
+    quantize(quantizer.maps[f], values.data(), static_cast<int>(values.size()), codes[f].data());
   });
   return codes;
 }
@@ -78,14 +77,10 @@ void checkColumns(const ConfidenceSamples& samples) {
                          std::to_string(samples.held_out.size()) +
                          " marks of held-out samples, expected as many");
   for (std::size_t f = 0; f < features; ++f) {
-    const std::vector<float>& column = samples.features[f];
-    const std::string name = "feature \"" + samples.feature_names[f] + "\" has ";
-    requireForTraining(column.size() == samples.labels.size(),
-                       name + std::to_string(column.size()) + " values, expected " +
+    requireForTraining(samples.features[f].size() == samples.labels.size(),
+                       "feature \"" + samples.feature_names[f] + "\" has " +
+                           std::to_string(samples.features[f].size()) + " values, expected " +
                            std::to_string(samples.labels.size()) + ", one for each label");
-    requireForTraining(
-        std::all_of(column.begin(), column.end(), [](float value) { return std::isfinite(value); }),
-        name + "a value that is not finite");
   }
 }
 
@@ -109,10 +104,6 @@ FeatureQuantizer fitQuantizer(const Samples& samples) {
   return quantizer;
 }
 
-CodeMap fitCodeMap(const std::vector<float>& values) {
-  return mapBetween(quantile(values, 0.005), quantile(values, 0.995));
-}
-
 Forest trainForest(const Samples& samples, const BoostingOptions& options,
                    const BoostingProgress& progress) {
   checkOptions(samples, options);
@@ -123,7 +114,8 @@ Forest trainForest(const Samples& samples, const BoostingOptions& options,
   for (int f = 0; f < kFeatureCount; ++f) {
     asked[f] = options.matchers[f / kFeaturesPerMatcher];
   }
-  Booster booster(codesOf(samples.features, forest.quantizer.maps), asked, samples, options);
+  const std::vector<Booster::Column> codes = codesOf(samples, forest.quantizer);
+  Booster booster(codes, asked, samples, options);
   grow(booster, samples.count(), options, progress, forest, forest.provenance);
   return forest;
 }
@@ -139,11 +131,8 @@ ConfidenceForest trainConfidenceForest(const ConfidenceSamples& samples,
                          std::to_string(options.trees));
   ConfidenceForest forest;
   forest.feature_names = samples.feature_names;
-  forest.code_maps.resize(samples.features.size());
-  tbb::parallel_for(std::size_t{0}, samples.features.size(),
-                    [&](std::size_t f) { forest.code_maps[f] = fitCodeMap(samples.features[f]); });
-  Booster booster(codesOf(samples.features, forest.code_maps),
-                  std::vector<bool>(samples.features.size(), true), samples, options);
+  Booster booster(samples.features, std::vector<bool>(samples.features.size(), true), samples,
+                  options);
   grow(booster, samples.count(), options, progress, forest, forest.record);
   return forest;
 }

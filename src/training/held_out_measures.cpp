@@ -41,15 +41,23 @@ std::vector<double> walkTrees(const Forest& forest, const Samples& samples) {
   return {probabilities.begin(), probabilities.end()};
 }
 
-using Codes = std::vector<std::vector<std::uint8_t>>;  // a column a feature
+using Codes = std::vector<std::vector<std::uint8_t>>;  // a column per feature
 
-template <typename Columns, typename Maps>
-Codes heldOutCodes(const Columns& columns, const Maps& maps, const SampleLabels& samples) {
+Codes heldOutCodes(const Samples& samples, const FeatureQuantizer& quantizer) {
   Codes codes;
-  for (std::size_t f = 0; f < columns.size(); ++f) {
-    const std::vector<float> values = heldOutPart(columns[f], samples);
+  for (int f = 0; f < kFeatureCount; ++f) {
+    const std::vector<float> values = heldOutPart(samples.features[f], samples);
     codes.emplace_back(values.size());
-    quantize(maps[f], values.data(), static_cast<int>(values.size()), codes.back().data());
+    quantize(quantizer.maps[f], values.data(), static_cast<int>(values.size()),
+             codes.back().data());
+  }
+  return codes;
+}
+
+Codes heldOutCodes(const ConfidenceSamples& samples) {
+  Codes codes;
+  for (const std::vector<std::uint8_t>& column : samples.features) {
+    codes.push_back(heldOutPart(column, samples));
   }
   return codes;
 }
@@ -160,13 +168,13 @@ void measure(const std::vector<double>& probabilities, const SampleLabels& sampl
 
 std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples) {
   return forest.general_trees.empty()
-             ? askTrees(forest, heldOutCodes(samples.features, forest.quantizer.maps, samples))
+             ? askTrees(forest, heldOutCodes(samples, forest.quantizer))
              : walkTrees(forest, samples);
 }
 
 std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
                                          const ConfidenceSamples& samples) {
-  return askTrees(forest, heldOutCodes(samples.features, forest.code_maps, samples));
+  return askTrees(forest, heldOutCodes(samples));
 }
 
 void measureHeldOut(const Samples& samples, Forest& forest) {

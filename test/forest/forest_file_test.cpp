@@ -321,10 +321,6 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
               of_confidence("has no name for feature 3"));
   EXPECT_THAT(fault([](Changed& f) { f.feature_names[4] = "f1"; }),
               of_confidence("has the name \"f1\" twice, again for feature 4"));
-  EXPECT_THAT(fault([](Changed& f) { f.code_maps.pop_back(); }),
-              of_confidence("has 4 code maps instead of 5"));
-  EXPECT_THAT(fault([](Changed& f) { f.code_maps[1].scale = std::nanf(""); }),
-              of_confidence("has a code map"));
   EXPECT_THAT(fault([](Changed& f) { f.trees.clear(); }), of_confidence("has 0 trees"));
   EXPECT_THAT(fault([](Changed& f) { f.trees.resize(257, f.trees[0]); }),
               of_confidence("has 257 trees instead of 1 to 256"));
@@ -401,26 +397,24 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
 
 /// Of the second forest in a file, too.
 TEST(ForestFile, RefusesNumbersThatDoNotFitTheConfidenceForest) {
-  const auto refusal_of = [](const std::string& maps, const std::string& level,
-                             const std::string& rest, int version = 2) {
+  const auto refusal_of = [](const std::string& level, const std::string& rest, int version = 2) {
     return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
                               "trees": [{"nodes": [0]}], "confidence_forest": {
-                              "features": ["a", "b"], "bias": 0, "leaf_unit": 1, "code_maps": )" +
-                              maps + R"(, "trees": [{"levels": [)" + level +
+                              "features": ["a", "b"], "bias": 0, "leaf_unit": 1,
+                              "trees": [{"levels": [)" +
+                              level +
                               R"(], "leaves": [0, 1]}])" + rest + "}}",
                           version);
   };
-  const std::string maps = "[[1, 0], [1, 0]]";
-  EXPECT_EQ(refusal_of(maps, "[1, 255]", ""), "");
-  EXPECT_THAT(refusal_of("[[1, 0]]", "[1, 255]", ""), HasSubstr("1 code maps instead of 2"));
-  EXPECT_THAT(refusal_of(maps, "[2, 255]", ""),
+  EXPECT_EQ(refusal_of("[1, 255]", ""), "");
+  EXPECT_THAT(refusal_of("[2, 255]", ""),
               AllOf(HasSubstr("confidence forest"), HasSubstr("feature is 2")));
-  EXPECT_THAT(refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1])"),
+  EXPECT_THAT(refusal_of("[1, 255]", R"(, "sigma_coefficients": [1])"),
               HasSubstr("sigma_bounds_px"));
   EXPECT_THAT(
-      refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1], "sigma_bounds_px": [1]})"),
+      refusal_of("[1, 255]", R"(, "sigma_coefficients": [1], "sigma_bounds_px": [1]})"),
       HasSubstr("folder/text"));
-  EXPECT_EQ(refusal_of("[[1, 0]]", "[9, 255]", "", 1), "");  // version 1 has no such entry
+  EXPECT_EQ(refusal_of("[9, 255]", "", 1), "");  // version 1 has no such entry
 }
 
 /// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.

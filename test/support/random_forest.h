@@ -57,7 +57,6 @@ inline ConfidenceForest makeConfidenceForest(int features, int trees, int max_de
   forest.leaf_unit = 1.0 / 512;
   for (int f = 0; f < features; ++f) {
     forest.feature_names.push_back("f" + std::to_string(f));
-    forest.code_maps.push_back({200.0F + static_cast<float>(f), 1.5F});
   }
   forest.trees = makeObliviousTrees(trees, max_depth, features, seed);
   forest.sigma_coefficients = {0.25, -0.125};

@@ -101,7 +101,6 @@ TEST(HeldOutMeasures, CountsWhatIsCorrectInEachBin) {
 /// Two codes, two answers.
 ConfidenceForest confidenceStump() {
   ConfidenceForest forest = makeConfidenceForest(1, 1, 1, 1);
-  forest.code_maps = {{100, 0}};
   forest.bias = 0;
   forest.leaf_unit = std::log(3.0);
   forest.trees[0] = {{{0, 50}}, {-1, 1}};  // 0.25 or 0.75
@@ -113,7 +112,10 @@ TEST(HeldOutMeasures, AreTheSameOfAConfidenceForest) {
   ConfidenceSamples same;
   static_cast<SampleLabels&>(same) = samples;
   same.feature_names = {"f0"};
-  same.features = {samples.features[0]};
+  same.features.resize(1);
+  for (const float value : samples.features[0]) {
+    same.features[0].push_back(static_cast<std::uint8_t>(100 * value));
+  }
   ConfidenceForest confidence = confidenceStump();
   EXPECT_NEAR(heldOutProbabilities(confidence, same).at(0), 0.25, 1e-12);
   measureHeldOut(same, confidence);

@@ -18,10 +18,10 @@ class ConfidenceCodes {
 
   /// Makes room for the features of the forest.
   void reserve(const ConfidenceForest& forest) {
-    codes_.assign(forest.code_maps.size() * kQueries, 0);
+    codes_.assign(forest.feature_names.size() * kQueries, 0);
   }
 
-  /// Codes of one feature, minus 128: of at most kQueries queries. `quantize` fills it from values.
+  /// One feature of at most kQueries queries, minus 128.
   std::int8_t* line(int feature) {
     return codes_.data() + static_cast<std::ptrdiff_t>(feature) * kQueries;
   }

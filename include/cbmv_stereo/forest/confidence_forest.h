@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "cbmv_stereo/confidence/features.h"
 #include "cbmv_stereo/forest/oblivious_forest.h"
 #include "cbmv_stereo/forest/training_record.h"
 
@@ -19,7 +18,6 @@ struct ConfidenceForest : ObliviousForest {
   static constexpr int kMaxSigmaCoefficients = 64;
 
   std::vector<std::string> feature_names;  ///< in order; at most kMaxFeatures, all different
-  std::vector<CodeMap> code_maps;          ///< from values to codes; one per feature
   /// The model of the standard deviation of the disparity; empty: there is none.
   std::vector<double> sigma_coefficients;
   std::array<double, 2> sigma_bounds_px{};  ///< the lowest and the highest standard deviation

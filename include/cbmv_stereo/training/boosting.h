@@ -14,10 +14,6 @@ namespace cbmv {
 /// quantile; logarithms of likelihoods below −16 (probability 1e-7) share the lowest code.
 FeatureQuantizer fitQuantizer(const Samples& samples);
 
-/// A map that spreads values over the codes, linear between their 0.5 % and 99.5 % quantile. There
-/// is at least one value, all are finite.
-CodeMap fitCodeMap(const std::vector<float>& values);
-
 struct BoostingOptions {
   int trees = 64;
   int depth = 6;                  ///< levels a tree, at most Forest::kMaxDepth
@@ -45,7 +41,7 @@ Forest trainForest(const Samples& samples, const BoostingOptions& options,
 
 /// The same for a confidence forest, which may ask for all of its features. The result's record
 /// holds samples, held_out_log_loss and feature_importance. Throws Error also if columns and names
-/// do not fit each other or ConfidenceForest::kMaxFeatures, or a value is not finite.
+/// do not fit each other or ConfidenceForest::kMaxFeatures.
 ConfidenceForest trainConfidenceForest(const ConfidenceSamples& samples,
                                        const BoostingOptions& options,
                                        const BoostingProgress& progress);
