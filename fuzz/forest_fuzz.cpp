@@ -70,8 +70,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const cbmv::Forest forest = cbmv::parseForest(withChecksum(text), "input.forest");
     const cbmv::ForestEvaluator evaluator(forest);
     evaluate(evaluator);
-    if (forest.confidence != nullptr) {
-      evaluate(*forest.confidence);
+    for (const cbmv::ConfidenceStage& stage : cbmv::kConfidenceStages) {
+      if (forest.*stage.forest != nullptr) {
+        evaluate(*(forest.*stage.forest));
+      }
     }
     cbmv::forestChecksum(forest);
   });

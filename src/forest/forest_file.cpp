@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <memory>
 
 #include "../io/bounded_json.h"
@@ -17,8 +18,7 @@ namespace {
 
 constexpr const char* kFormat = "cbmv_stereo forest";
 constexpr int kVersion = 2;             ///< the highest
-constexpr int kVersionOfOneForest = 1;  ///< without a confidence forest; older programs read it
-constexpr const char* kConfidence = "confidence_forest";
+constexpr int kVersionOfOneForest = 1;  ///< without further forests; older programs read it
 constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
@@ -34,9 +34,15 @@ constexpr std::int64_t kLargestNumber = std::numeric_limits<std::int64_t>::max()
 
 constexpr float kLargestThreshold = 1e30F;
 
-/// A fault of the confidence forest, which is not the file's only one.
-Fault ofConfidence(const Fault& fault) {
-  return Fault(std::string("the confidence forest ") + fault.what());
+std::string keyOf(const ConfidenceStage& stage) { return std::string(stage.name) + "_forest"; }
+
+/// A fault of a forest that is not the file's only one.
+Fault ofStage(const ConfidenceStage& stage, const std::string& fault) {
+  return Fault(std::string(stage.name) + " forest: " + fault);
+}
+
+std::string misplaced(const Json::exception& error) {
+  return std::string("has a missing or misplaced entry: ") + error.what();
 }
 
 /// CRC-32 of the text of everything that changes the forest's answers.
@@ -82,9 +88,9 @@ Json confidenceToJson(const ConfidenceForest& forest) {
   model["features"] = forest.feature_names;
   addScale(forest, model);
   model["trees"] = treesToJson(forest.trees);
-  if (!forest.sigma_coefficients.empty()) {
-    model["sigma_coefficients"] = forest.sigma_coefficients;
-    model["sigma_bounds_px"] = forest.sigma_bounds_px;
+  if (!forest.sigma_px.empty()) {
+    model["sigma_roughness_bounds"] = forest.sigma_roughness_bounds;
+    model["sigma_px"] = forest.sigma_px;
   }
   return model;
 }
@@ -104,8 +110,10 @@ Json modelToJson(const Forest& forest) {
     model["bias"] = forest.bias;
     model["trees"] = treesToJson(forest.general_trees);
   }
-  if (forest.confidence != nullptr) {
-    model[kConfidence] = confidenceToJson(*forest.confidence);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (forest.*stage.forest != nullptr) {
+      model[keyOf(stage)] = confidenceToJson(*(forest.*stage.forest));
+    }
   }
   return model;
 }
@@ -134,8 +142,10 @@ Json provenanceToJson(const Forest& forest) {
                {"scenes", provenance.scenes},
                {"seed", provenance.seed}};
   addRecord(provenance, kFeatureNames, json);
-  if (forest.confidence != nullptr) {
-    addRecord(forest.confidence->record, forest.confidence->feature_names, json[kConfidence]);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (const ConfidenceForest* further = (forest.*stage.forest).get()) {
+      addRecord(further->record, further->feature_names, json[keyOf(stage)]);
+    }
   }
   return json;
 }
@@ -229,20 +239,46 @@ void readRecord(const Json& json, const Names& feature_names, TrainingRecord& re
   }
 }
 
+void sigmaFromJson(const Json& model, ConfidenceForest& forest) {
+  forest.sigma_px = model.at("sigma_px").get<std::vector<double>>();
+  const Json& bounds = model.at("sigma_roughness_bounds");
+  if (bounds.size() != forest.sigma_roughness_bounds.size()) {
+    throw Fault("has " + std::to_string(bounds.size()) + " sigma_roughness_bounds instead of " +
+                std::to_string(forest.sigma_roughness_bounds.size()));
+  }
+  std::transform(bounds.begin(), bounds.end(), forest.sigma_roughness_bounds.begin(),
+                 [](const Json& bound) {
+                   return static_cast<std::uint8_t>(
+                       integerIn(bound, 0, 255, "one of its sigma_roughness_bounds"));
+                 });
+}
+
 ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
   ConfidenceForest forest;
-  try {
-    forest.feature_names = model.at("features").get<std::vector<std::string>>();
-    obliviousFromJson(model, forest.feature_names.size(), forest);
-    if (model.contains("sigma_coefficients")) {
-      forest.sigma_coefficients = model["sigma_coefficients"].get<std::vector<double>>();
-      forest.sigma_bounds_px = model.at("sigma_bounds_px").get<std::array<double, 2>>();
-    }
-    readRecord(record, forest.feature_names, forest.record);
-  } catch (const Fault& fault) {
-    throw ofConfidence(fault);
+  forest.feature_names = model.at("features").get<std::vector<std::string>>();
+  obliviousFromJson(model, forest.feature_names.size(), forest);
+  if (model.contains("sigma_px")) {
+    sigmaFromJson(model, forest);
   }
+  readRecord(record, forest.feature_names, forest.record);
   return forest;
+}
+
+/// Those of the further forests that the file has.
+void stagesFromJson(const Json& model, const Json& provenance, Forest& forest) {
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    const std::string key = keyOf(stage);
+    try {
+      if (model.contains(key)) {
+        forest.*stage.forest = std::make_shared<const ConfidenceForest>(
+            confidenceFromJson(model[key], provenance.at(key)));
+      }
+    } catch (const Fault& fault) {
+      throw ofStage(stage, fault.what());
+    } catch (const Json::exception& error) {
+      throw ofStage(stage, misplaced(error));
+    }
+  }
 }
 
 std::uint64_t seedFromJson(const Json& json) {
@@ -302,9 +338,8 @@ Forest forestFromJson(const Json& json) {
   modelFromJson(model, forest);
   const Json& provenance = json.at("provenance");
   forest.provenance = provenanceFromJson(provenance);
-  if (version > kVersionOfOneForest && model.contains(kConfidence)) {
-    forest.confidence = std::make_shared<const ConfidenceForest>(
-        confidenceFromJson(model[kConfidence], provenance.at(kConfidence)));
+  if (version > kVersionOfOneForest) {
+    stagesFromJson(model, provenance, forest);
   }
   return forest;
 }
@@ -407,30 +442,50 @@ void checkFeatureNames(const std::vector<std::string>& names) {
 }
 
 void checkSigma(const ConfidenceForest& forest) {
-  const std::vector<double>& coefficients = forest.sigma_coefficients;
-  check(coefficients.size() <= ConfidenceForest::kMaxSigmaCoefficients,
-        "has " + std::to_string(coefficients.size()) + " sigma coefficients instead of 0 to " +
-            std::to_string(ConfidenceForest::kMaxSigmaCoefficients));
-  check(std::all_of(coefficients.begin(), coefficients.end(),
-                    [](double value) { return std::isfinite(value); }),
-        "has a sigma coefficient that is not finite");
-  const auto [lowest, highest] = forest.sigma_bounds_px;
-  check(coefficients.empty() || (lowest > 0 && lowest <= highest && highest < 1e3),
-        "has sigma bounds that are not positive, increasing and below 1000 px");
+  const std::vector<std::string>& names = forest.feature_names;
+  check(std::find(names.begin(), names.end(), ConfidenceForest::kRoughness) != names.end(),
+        std::string("has sigma_px without the feature \"") + ConfidenceForest::kRoughness + "\"");
+  constexpr std::size_t kValues =
+      std::size_t{ConfidenceForest::kSigmaRoughnessBins} * ConfidenceForest::kSigmaConfidenceBins;
+  const std::vector<double>& sigmas = forest.sigma_px;
+  check(sigmas.size() == kValues, "has " + std::to_string(sigmas.size()) +
+                                      " values of sigma_px instead of " + std::to_string(kValues));
+  const auto good = [](double sigma) {
+    return sigma > 0 && sigma <= ConfidenceForest::kMaxSigmaPx;
+  };
+  check(std::all_of(sigmas.begin(), sigmas.end(), good),
+        "has a value of sigma_px that is not in (0, 10]");
+  const auto& bounds = forest.sigma_roughness_bounds;
+  check(std::adjacent_find(bounds.begin(), bounds.end(), std::greater_equal<>()) == bounds.end(),
+        "has sigma_roughness_bounds that do not rise");
 }
 
 void checkConfidence(const ConfidenceForest& forest) {
-  try {
-    checkFeatureNames(forest.feature_names);
-    checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
+  checkFeatureNames(forest.feature_names);
+  checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
+  if (!forest.sigma_px.empty()) {
     checkSigma(forest);
-    const std::size_t importances = forest.record.feature_importance.size();
-    check(importances == 0 || importances == forest.feature_names.size(),
-          "has the importance of " + std::to_string(importances) + " features instead of " +
-              std::to_string(forest.feature_names.size()));
-  } catch (const Fault& fault) {
-    throw ofConfidence(fault);
   }
+  const std::size_t importances = forest.record.feature_importance.size();
+  check(importances == 0 || importances == forest.feature_names.size(),
+        "has the importance of " + std::to_string(importances) + " features instead of " +
+            std::to_string(forest.feature_names.size()));
+}
+
+void checkStages(const Forest& forest) {
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    try {
+      if (forest.*stage.forest != nullptr) {
+        checkConfidence(*(forest.*stage.forest));
+      }
+    } catch (const Fault& fault) {
+      throw ofStage(stage, fault.what());
+    }
+  }
+  check(forest.selection == nullptr || forest.confidence != nullptr,
+        "has a selection forest without a confidence forest; train both with cbmv_train");
+  check(forest.selection == nullptr || forest.selection->sigma_px.empty(),
+        "has sigma_px in its selection forest; only the confidence forest may have it");
 }
 
 void checkForest(const Forest& forest) {
@@ -440,9 +495,7 @@ void checkForest(const Forest& forest) {
   } else {
     checkGeneral(forest);
   }
-  if (forest.confidence != nullptr) {
-    checkConfidence(*forest.confidence);
-  }
+  checkStages(forest);
 }
 
 }  // namespace
@@ -467,7 +520,7 @@ Forest parseForest(const std::string& text, const std::string& file_name) {
     fail(file_name,
          "is not a forest, or cut off: no valid JSON at byte " + std::to_string(error.byte));
   } catch (const Json::exception& error) {
-    fail(file_name, std::string("has a missing or misplaced entry: ") + error.what());
+    fail(file_name, misplaced(error));
   } catch (const JsonTooLarge& error) {
     fail(file_name, std::string("is not a forest, it ") + error.what());
   } catch (const Fault& fault) {

@@ -30,8 +30,8 @@ std::int32_t toFixedPoint(double value) {
 
 }  // namespace
 
-Booster::Booster(const std::vector<Column>& codes, std::vector<bool> asked, const SampleLabels& labels,
-                 const BoostingOptions& options)
+Booster::Booster(const std::vector<Column>& codes, std::vector<bool> asked,
+                 const SampleLabels& labels, const BoostingOptions& options)
     : options_(options),
       codes_(codes),
       asked_(std::move(asked)),

@@ -167,9 +167,8 @@ void measure(const std::vector<double>& probabilities, const SampleLabels& sampl
 }  // namespace
 
 std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples) {
-  return forest.general_trees.empty()
-             ? askTrees(forest, heldOutCodes(samples, forest.quantizer))
-             : walkTrees(forest, samples);
+  return forest.general_trees.empty() ? askTrees(forest, heldOutCodes(samples, forest.quantizer))
+                                      : walkTrees(forest, samples);
 }
 
 std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
@@ -193,11 +192,12 @@ std::string describeProvenance(const Forest& forest) {
   }
   text += "\n" + provenance.options + ", seed " + std::to_string(provenance.seed) + "\n" +
           describeRecord(provenance, kFeatureNames);
-  if (forest.confidence != nullptr) {
-    const ConfidenceForest& confidence = *forest.confidence;
-    text += "confidence forest: " + std::to_string(confidence.trees.size()) + " trees, " +
-            confidence.record.options + "\n" +
-            describeRecord(confidence.record, confidence.feature_names);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (const ConfidenceForest* further = (forest.*stage.forest).get()) {
+      text += std::string(stage.name) + " forest: " + std::to_string(further->trees.size()) +
+              " trees, " + further->record.options + "\n" +
+              describeRecord(further->record, further->feature_names);
+    }
   }
   return text;
 }

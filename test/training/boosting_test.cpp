@@ -162,8 +162,9 @@ TEST(Boosting, TrainsConfidenceForests) {
   EXPECT_GT(forest.record.feature_importance[2], 0.3);
   EXPECT_GT(forest.record.feature_importance[15], 0.3);
   const auto probability = [&](float f2, float f15) {
-    const double log_odds = naiveLogOdds(
-        forest, [&](int f) { return kCodesPerUnit * (f == 2 ? f2 : f == 15 ? f15 : 0.3F); });
+    const double log_odds = naiveLogOdds(forest, [&](int f) {
+      return kCodesPerUnit * (f == 2 ? f2 : f == 15 ? f15 : 0.3F);
+    });
     return 1 / (1 + std::exp(-log_odds));
   };
   EXPECT_NEAR(probability(0.7F, 0.2F), 0.9, 0.03);

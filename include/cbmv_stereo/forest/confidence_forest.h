@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,24 +10,29 @@
 
 namespace cbmv {
 
-/// The second forest: the probability that a disparity is correct, from features of the pixel and
-/// of the maps around it. It knows its features by name; the code that computes them checks that
-/// they are the ones it has (requireFeatures).
+/// The probability that a disparity is within 1 px of the truth, from features of the pixel and of
+/// the maps around it, all bytes. The forest knows its features by name; the code that computes
+/// them checks that they are the ones it has (requireFeatures).
 struct ConfidenceForest : ObliviousForest {
   static constexpr int kMaxFeatures = 64;
-  static constexpr int kMaxTrees = 256;  ///< the sum of their leaves fits 16 bits
-  static constexpr int kMaxSigmaCoefficients = 64;
+  static constexpr int kMaxTrees = 256;            ///< the sum of their leaves fits 16 bits
+  static constexpr int kSigmaConfidenceBins = 10;  ///< of the probability, of equal widths
+  static constexpr int kSigmaRoughnessBins = 4;
+  static constexpr double kMaxSigmaPx = 10;
+  static constexpr const char* kRoughness = "roughness_5";  ///< the feature of the roughness bins
 
   std::vector<std::string> feature_names;  ///< in order; at most kMaxFeatures, all different
-  /// The model of the standard deviation of the disparity; empty: there is none.
-  std::vector<double> sigma_coefficients;
-  std::array<double, 2> sigma_bounds_px{};  ///< the lowest and the highest standard deviation
-  TrainingRecord record;                    ///< data set, scenes and seed are those of the file
+  /// Standard deviation of the disparity in px, in (0, kMaxSigmaPx], of [roughness bin][confidence
+  /// bin], row by row. Empty: there is no such model.
+  std::vector<double> sigma_px;
+  /// Limits between the roughness bins, rising: bin k begins at limit k − 1.
+  std::array<std::uint8_t, kSigmaRoughnessBins - 1> sigma_roughness_bounds{};
+  TrainingRecord record;  ///< data set, scenes and seed are those of the file
 };
 
-/// Throws Error that names the file of the forest and the first feature that differs, if the forest
-/// has other features, or in another order, than `names`.
-void requireFeatures(const ConfidenceForest& forest, const std::vector<std::string>& names,
-                     const std::string& file_name);
+/// Throws Error that names the file of the forest, its stage ("confidence" or "selection") and the
+/// first feature that differs, if the forest has other features, or in another order, than `names`.
+void requireFeatures(const ConfidenceForest& forest, const std::string& stage,
+                     const std::vector<std::string>& names, const std::string& file_name);
 
 }  // namespace cbmv

@@ -17,8 +17,8 @@ class Booster {
  public:
   using Column = std::vector<std::uint8_t>;
 
-  /// `codes`: a column per feature; `asked`: whether trees may ask for it. `codes` and `labels` have
-  /// to outlive the object.
+  /// `codes`: a column per feature; `asked`: whether trees may ask for it. `codes` and `labels`
+  /// have to outlive the object.
   Booster(const std::vector<Column>& codes, std::vector<bool> asked, const SampleLabels& labels,
           const BoostingOptions& options);
 
