@@ -39,7 +39,7 @@ void evaluate(const cbmv::ForestEvaluator& evaluator) {
 
 void evaluate(const cbmv::ConfidenceForest& forest) {
   cbmv::ConfidenceCodes codes(forest);
-  for (std::size_t f = 0; f < forest.code_maps.size(); ++f) {
+  for (std::size_t f = 0; f < forest.feature_names.size(); ++f) {
     std::int8_t* line = codes.line(static_cast<int>(f));
     std::iota(line, line + kHypotheses, std::int8_t{-128});
   }
@@ -70,8 +70,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const cbmv::Forest forest = cbmv::parseForest(withChecksum(text), "input.forest");
     const cbmv::ForestEvaluator evaluator(forest);
     evaluate(evaluator);
-    if (forest.confidence != nullptr) {
-      evaluate(*forest.confidence);
+    for (const cbmv::ConfidenceStage& stage : cbmv::kConfidenceStages) {
+      if (forest.*stage.forest != nullptr) {
+        evaluate(*(forest.*stage.forest));
+      }
     }
     cbmv::forestChecksum(forest);
   });

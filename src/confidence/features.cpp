@@ -295,19 +295,10 @@ void writeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowEnt
   forFeatures(costs, terms, entries, places, constants, store);
 }
 
-template <unsigned kShift>
-void storeCodesOf(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
-  forLanes(Floats(), 0, count, [=](auto tag, int x, int) HWY_ATTR {
-    storeCodes<kShift>(tag, hn::LoadU(tag, values + x), map, codes + x);
-  });
-}
-
 void quantizeValues(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
-  storeCodesOf<0>(map, values, count, codes);
-}
-
-void quantizeToSigned(const CodeMap& map, const float* values, int count, std::int8_t* codes) {
-  storeCodesOf<128>(map, values, count, reinterpret_cast<std::uint8_t*>(codes));
+  forLanes(Floats(), 0, count, [=](auto tag, int x, int) HWY_ATTR {
+    storeCodes<0>(tag, hn::LoadU(tag, values + x), map, codes + x);
+  });
 }
 
 }  // namespace
@@ -323,7 +314,6 @@ HWY_EXPORT(fillTerms);
 HWY_EXPORT(writeFeatures);
 HWY_EXPORT(writeCodes);
 HWY_EXPORT(quantizeValues);
-HWY_EXPORT(quantizeToSigned);
 
 /// Numbers of the columns of an image that is `width` wide and of all entries that reach into it.
 std::size_t termsOfRow(int width) {
@@ -365,10 +355,6 @@ void computeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowE
 
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes) {
   HWY_DYNAMIC_DISPATCH(quantizeValues)(map, values, count, codes);
-}
-
-void quantize(const CodeMap& map, const float* values, int count, std::int8_t* codes) {
-  HWY_DYNAMIC_DISPATCH(quantizeToSigned)(map, values, count, codes);
 }
 
 }  // namespace cbmv

@@ -13,16 +13,16 @@ std::string nameAt(const std::vector<std::string>& names, std::size_t f) {
 
 }  // namespace
 
-void requireFeatures(const ConfidenceForest& forest, const std::vector<std::string>& names,
-                     const std::string& file_name) {
+void requireFeatures(const ConfidenceForest& forest, const std::string& stage,
+                     const std::vector<std::string>& names, const std::string& file_name) {
   const std::vector<std::string>& own = forest.feature_names;
   const auto same = std::mismatch(own.begin(), own.end(), names.begin(), names.end()).first;
   if (own == names) {
     return;
   }
   const auto f = static_cast<std::size_t>(same - own.begin());
-  throw Error("forest " + file_name + ": feature " + std::to_string(f) +
-              " of the second forest is " + nameAt(own, f) + ", this program expects " +
+  throw Error("forest " + file_name + ": feature " + std::to_string(f) + " of the " + stage +
+              " forest is " + nameAt(own, f) + ", this program expects " +
               (f < names.size() ? nameAt(names, f) : std::to_string(names.size()) + " features") +
               "; train the forest again with this version of cbmv_train");
 }

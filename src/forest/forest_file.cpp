@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <memory>
 
 #include "../io/bounded_json.h"
@@ -17,9 +18,7 @@ namespace {
 
 constexpr const char* kFormat = "cbmv_stereo forest";
 constexpr int kVersion = 2;             ///< the highest
-constexpr int kVersionOfOneForest = 1;  ///< without a confidence forest; older programs read it
-constexpr const char* kConfidence = "confidence_forest";
-constexpr const char* kSelection = "selection_forest";
+constexpr int kVersionOfOneForest = 1;  ///< without further forests; older programs read it
 constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
@@ -35,17 +34,15 @@ constexpr std::int64_t kLargestNumber = std::numeric_limits<std::int64_t>::max()
 
 constexpr float kLargestThreshold = 1e30F;
 
-/// A fault of the part `key` of the second forest.
-Fault ofPart(const std::string& key, const Fault& fault) {
-  return Fault("the " + std::string(key == kConfidence ? "confidence" : "selection") + " forest " +
-               fault.what());
+std::string keyOf(const ConfidenceStage& stage) { return std::string(stage.name) + "_forest"; }
+
+/// A fault of a forest that is not the file's only one.
+Fault ofStage(const ConfidenceStage& stage, const std::string& fault) {
+  return Fault(std::string(stage.name) + " forest: " + fault);
 }
 
-/// Calls act(key, part) for both parts of the second forest.
-template <typename ForestType, typename Act>
-void forParts(ForestType& forest, const Act& act) {
-  act(kConfidence, forest.confidence);
-  act(kSelection, forest.selection);
+std::string misplaced(const Json::exception& error) {
+  return std::string("has a missing or misplaced entry: ") + error.what();
 }
 
 /// CRC-32 of the text of everything that changes the forest's answers.
@@ -81,19 +78,19 @@ Json treesToJson(const std::vector<Tree>& trees) {
   return array;
 }
 
-void addOblivious(const ObliviousForest& forest, Json& model) {
+void addScale(const ObliviousForest& forest, Json& model) {
   model["leaf_unit"] = forest.leaf_unit;
   model["bias"] = forest.bias;
-  model["trees"] = treesToJson(forest.trees);
 }
 
 Json confidenceToJson(const ConfidenceForest& forest) {
   Json model;
   model["features"] = forest.feature_names;
-  addOblivious(forest, model);
-  if (forest.hasSigma()) {
-    model["sigma_px"] = forest.sigma_px;
+  addScale(forest, model);
+  model["trees"] = treesToJson(forest.trees);
+  if (!forest.sigma_px.empty()) {
     model["sigma_roughness_bounds"] = forest.sigma_roughness_bounds;
+    model["sigma_px"] = forest.sigma_px;
   }
   return model;
 }
@@ -102,21 +99,22 @@ Json modelToJson(const Forest& forest) {
   Json model;
   model["features"] = kFeatureCount;
   if (forest.general_trees.empty()) {
-    addOblivious(forest, model);
+    addScale(forest, model);
     for (const CodeMap& map : forest.quantizer.maps) {
       model["code_maps"].push_back({map.scale, map.offset});
     }
+    model["trees"] = treesToJson(forest.trees);
   } else {
     model["kind"] = kGeneral;
     model["output"] = forest.output == ForestOutput::kLogOdds ? kLogOdds : kProbability;
     model["bias"] = forest.bias;
     model["trees"] = treesToJson(forest.general_trees);
   }
-  forParts(forest, [&](const char* key, const auto& part) {
-    if (part != nullptr) {
-      model[key] = confidenceToJson(*part);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (forest.*stage.forest != nullptr) {
+      model[keyOf(stage)] = confidenceToJson(*(forest.*stage.forest));
     }
-  });
+  }
   return model;
 }
 
@@ -144,11 +142,11 @@ Json provenanceToJson(const Forest& forest) {
                {"scenes", provenance.scenes},
                {"seed", provenance.seed}};
   addRecord(provenance, kFeatureNames, json);
-  forParts(forest, [&](const char* key, const auto& part) {
-    if (part != nullptr) {
-      addRecord(part->record, part->feature_names, json[key]);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (const ConfidenceForest* further = (forest.*stage.forest).get()) {
+      addRecord(further->record, further->feature_names, json[keyOf(stage)]);
     }
-  });
+  }
   return json;
 }
 
@@ -174,15 +172,16 @@ void obliviousFromJson(const Json& model, std::size_t features, ObliviousForest&
   }
 }
 
-void quantizerFromJson(const Json& pairs, FeatureQuantizer& quantizer) {
-  auto& maps = quantizer.maps;
-  if (pairs.size() != maps.size()) {
-    throw Fault("it has " + std::to_string(pairs.size()) + " code maps instead of " +
-                std::to_string(maps.size()));
+FeatureQuantizer quantizerFromJson(const Json& pairs) {
+  FeatureQuantizer quantizer;
+  if (pairs.size() != quantizer.maps.size()) {
+    throw Fault("has " + std::to_string(pairs.size()) + " code maps instead of " +
+                std::to_string(quantizer.maps.size()));
   }
-  for (std::size_t f = 0; f < maps.size(); ++f) {
-    maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
+  for (std::size_t f = 0; f < quantizer.maps.size(); ++f) {
+    quantizer.maps[f] = {pairs[f].at(0).get<float>(), pairs[f].at(1).get<float>()};
   }
+  return quantizer;
 }
 
 void generalFromJson(const Json& model, Forest& forest) {
@@ -208,7 +207,7 @@ void modelFromJson(const Json& model, Forest& forest) {
   integerIn(model.at("features"), kFeatureCount, kFeatureCount, "the number of features");
   const std::string kind = model.value("kind", kOblivious);
   if (kind == kOblivious) {
-    quantizerFromJson(model.at("code_maps"), forest.quantizer);
+    forest.quantizer = quantizerFromJson(model.at("code_maps"));
     obliviousFromJson(model, kFeatureCount, forest);
   } else if (kind == kGeneral) {
     generalFromJson(model, forest);
@@ -240,24 +239,46 @@ void readRecord(const Json& json, const Names& feature_names, TrainingRecord& re
   }
 }
 
-ConfidenceForest confidenceFromJson(const std::string& key, const Json& model,
-                                    const Json& record) {
-  ConfidenceForest forest;
-  try {
-    forest.feature_names = model.at("features").get<std::vector<std::string>>();
-    obliviousFromJson(model, forest.feature_names.size(), forest);
-    if (model.contains("sigma_px")) {
-      forest.sigma_px = model["sigma_px"].get<std::vector<double>>();
-      for (std::size_t i = 0; i < forest.sigma_roughness_bounds.size(); ++i) {
-        forest.sigma_roughness_bounds[i] = static_cast<std::uint8_t>(integerIn(
-            model.at("sigma_roughness_bounds").at(i), 0, 255, "a bound of the roughness"));
-      }
-    }
-    readRecord(record, forest.feature_names, forest.record);
-  } catch (const Fault& fault) {
-    throw ofPart(key, fault);
+void sigmaFromJson(const Json& model, ConfidenceForest& forest) {
+  forest.sigma_px = model.at("sigma_px").get<std::vector<double>>();
+  const Json& bounds = model.at("sigma_roughness_bounds");
+  if (bounds.size() != forest.sigma_roughness_bounds.size()) {
+    throw Fault("has " + std::to_string(bounds.size()) + " sigma_roughness_bounds instead of " +
+                std::to_string(forest.sigma_roughness_bounds.size()));
   }
+  std::transform(bounds.begin(), bounds.end(), forest.sigma_roughness_bounds.begin(),
+                 [](const Json& bound) {
+                   return static_cast<std::uint8_t>(
+                       integerIn(bound, 0, 255, "one of its sigma_roughness_bounds"));
+                 });
+}
+
+ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
+  ConfidenceForest forest;
+  forest.feature_names = model.at("features").get<std::vector<std::string>>();
+  obliviousFromJson(model, forest.feature_names.size(), forest);
+  if (model.contains("sigma_px")) {
+    sigmaFromJson(model, forest);
+  }
+  readRecord(record, forest.feature_names, forest.record);
   return forest;
+}
+
+/// Those of the further forests that the file has.
+void stagesFromJson(const Json& model, const Json& provenance, Forest& forest) {
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    const std::string key = keyOf(stage);
+    try {
+      if (model.contains(key)) {
+        forest.*stage.forest = std::make_shared<const ConfidenceForest>(
+            confidenceFromJson(model[key], provenance.at(key)));
+      }
+    } catch (const Fault& fault) {
+      throw ofStage(stage, fault.what());
+    } catch (const Json::exception& error) {
+      throw ofStage(stage, misplaced(error));
+    }
+  }
 }
 
 std::uint64_t seedFromJson(const Json& json) {
@@ -317,12 +338,9 @@ Forest forestFromJson(const Json& json) {
   modelFromJson(model, forest);
   const Json& provenance = json.at("provenance");
   forest.provenance = provenanceFromJson(provenance);
-  forParts(forest, [&](const char* key, auto& part) {
-    if (version > kVersionOfOneForest && model.contains(key)) {
-      part = std::make_shared<const ConfidenceForest>(
-          confidenceFromJson(key, model[key], provenance.at(key)));
-    }
-  });
+  if (version > kVersionOfOneForest) {
+    stagesFromJson(model, provenance, forest);
+  }
   return forest;
 }
 
@@ -424,33 +442,50 @@ void checkFeatureNames(const std::vector<std::string>& names) {
 }
 
 void checkSigma(const ConfidenceForest& forest) {
-  const std::vector<double>& sigma = forest.sigma_px;
-  if (sigma.empty()) {
-    return;
-  }
-  check(sigma.size() == ConfidenceForest::kSigmaBins,
-        "has " + std::to_string(sigma.size()) + " standard deviations instead of " +
-            std::to_string(ConfidenceForest::kSigmaBins));
-  check(std::all_of(sigma.begin(), sigma.end(),
-                    [](double px) { return px > 0 && px <= ConfidenceForest::kHighestSigmaPx; }),
-        "has a standard deviation that is not above 0 and at most " +
-            std::to_string(ConfidenceForest::kHighestSigmaPx) + " px");
-  check(std::is_sorted(forest.sigma_roughness_bounds.begin(), forest.sigma_roughness_bounds.end()),
-        "has bounds of the roughness that do not ascend");
+  const std::vector<std::string>& names = forest.feature_names;
+  check(std::find(names.begin(), names.end(), ConfidenceForest::kRoughness) != names.end(),
+        std::string("has sigma_px without the feature \"") + ConfidenceForest::kRoughness + "\"");
+  constexpr std::size_t kValues =
+      std::size_t{ConfidenceForest::kSigmaRoughnessBins} * ConfidenceForest::kSigmaConfidenceBins;
+  const std::vector<double>& sigmas = forest.sigma_px;
+  check(sigmas.size() == kValues, "has " + std::to_string(sigmas.size()) +
+                                      " values of sigma_px instead of " + std::to_string(kValues));
+  const auto good = [](double sigma) {
+    return sigma > 0 && sigma <= ConfidenceForest::kMaxSigmaPx;
+  };
+  check(std::all_of(sigmas.begin(), sigmas.end(), good),
+        "has a value of sigma_px that is not in (0, 10]");
+  const auto& bounds = forest.sigma_roughness_bounds;
+  check(std::adjacent_find(bounds.begin(), bounds.end(), std::greater_equal<>()) == bounds.end(),
+        "has sigma_roughness_bounds that do not rise");
 }
 
-void checkConfidence(const std::string& key, const ConfidenceForest& forest) {
-  try {
-    checkFeatureNames(forest.feature_names);
-    checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
+void checkConfidence(const ConfidenceForest& forest) {
+  checkFeatureNames(forest.feature_names);
+  checkOblivious(forest, forest.feature_names.size(), ConfidenceForest::kMaxTrees);
+  if (!forest.sigma_px.empty()) {
     checkSigma(forest);
-    const std::size_t importances = forest.record.feature_importance.size();
-    check(importances == 0 || importances == forest.feature_names.size(),
-          "has the importance of " + std::to_string(importances) + " features instead of " +
-              std::to_string(forest.feature_names.size()));
-  } catch (const Fault& fault) {
-    throw ofPart(key, fault);
   }
+  const std::size_t importances = forest.record.feature_importance.size();
+  check(importances == 0 || importances == forest.feature_names.size(),
+        "has the importance of " + std::to_string(importances) + " features instead of " +
+            std::to_string(forest.feature_names.size()));
+}
+
+void checkStages(const Forest& forest) {
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    try {
+      if (forest.*stage.forest != nullptr) {
+        checkConfidence(*(forest.*stage.forest));
+      }
+    } catch (const Fault& fault) {
+      throw ofStage(stage, fault.what());
+    }
+  }
+  check(forest.selection == nullptr || forest.confidence != nullptr,
+        "has a selection forest without a confidence forest; train both with cbmv_train");
+  check(forest.selection == nullptr || forest.selection->sigma_px.empty(),
+        "has sigma_px in its selection forest; only the confidence forest may have it");
 }
 
 void checkForest(const Forest& forest) {
@@ -460,13 +495,7 @@ void checkForest(const Forest& forest) {
   } else {
     checkGeneral(forest);
   }
-  forParts(forest, [](const char* key, const auto& part) {
-    if (part != nullptr) {
-      checkConfidence(key, *part);
-    }
-  });
-  check(forest.selection == nullptr || forest.confidence != nullptr,
-        "has a selection forest without a confidence forest");
+  checkStages(forest);
 }
 
 }  // namespace
@@ -491,7 +520,7 @@ Forest parseForest(const std::string& text, const std::string& file_name) {
     fail(file_name,
          "is not a forest, or cut off: no valid JSON at byte " + std::to_string(error.byte));
   } catch (const Json::exception& error) {
-    fail(file_name, std::string("has a missing or misplaced entry: ") + error.what());
+    fail(file_name, misplaced(error));
   } catch (const JsonTooLarge& error) {
     fail(file_name, std::string("is not a forest, it ") + error.what());
   } catch (const Fault& fault) {

@@ -30,10 +30,10 @@ std::int32_t toFixedPoint(double value) {
 
 }  // namespace
 
-Booster::Booster(std::vector<Column> codes, std::vector<bool> asked, const SampleLabels& labels,
-                 const BoostingOptions& options)
+Booster::Booster(const std::vector<Column>& codes, std::vector<bool> asked,
+                 const SampleLabels& labels, const BoostingOptions& options)
     : options_(options),
-      codes_(std::move(codes)),
+      codes_(codes),
       asked_(std::move(asked)),
       labels_(labels),
       bias_(trainedLogOdds(labels)),

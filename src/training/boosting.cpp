@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -29,13 +28,13 @@ CodeMap mapBetween(float lowest, float highest) {
   return {scale, 1.0F - scale * lowest};
 }
 
-/// Codes of all samples, a column a feature.
-template <typename Columns, typename Maps>
-std::vector<Booster::Column> codesOf(const Columns& columns, const Maps& maps) {
-  std::vector<Booster::Column> codes(columns.size());
-  tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t f) {
-    codes[f].resize(columns[f].size());
-    quantize(maps[f], columns[f].data(), static_cast<int>(columns[f].size()), codes[f].data());
+/// Codes of all samples, a column per feature.
+std::vector<Booster::Column> codesOf(const Samples& samples, const FeatureQuantizer& quantizer) {
+  std::vector<Booster::Column> codes(kFeatureCount);
+  tbb::parallel_for(0, kFeatureCount, [&](int f) {
+    const std::vector<float>& values = samples.features[f];
+    codes[f].resize(values.size());
+    quantize(quantizer.maps[f], values.data(), static_cast<int>(values.size()), codes[f].data());
   });
   return codes;
 }
@@ -78,10 +77,9 @@ void checkColumns(const ConfidenceSamples& samples) {
                          std::to_string(samples.held_out.size()) +
                          " marks of held-out samples, expected as many");
   for (std::size_t f = 0; f < features; ++f) {
-    const std::size_t values = samples.features[f].size();
-    requireForTraining(values == samples.labels.size(),
+    requireForTraining(samples.features[f].size() == samples.labels.size(),
                        "feature \"" + samples.feature_names[f] + "\" has " +
-                           std::to_string(values) + " values, expected " +
+                           std::to_string(samples.features[f].size()) + " values, expected " +
                            std::to_string(samples.labels.size()) + ", one for each label");
   }
 }
@@ -116,7 +114,8 @@ Forest trainForest(const Samples& samples, const BoostingOptions& options,
   for (int f = 0; f < kFeatureCount; ++f) {
     asked[f] = options.matchers[f / kFeaturesPerMatcher];
   }
-  Booster booster(codesOf(samples.features, forest.quantizer.maps), asked, samples, options);
+  const std::vector<Booster::Column> codes = codesOf(samples, forest.quantizer);
+  Booster booster(codes, asked, samples, options);
   grow(booster, samples.count(), options, progress, forest, forest.provenance);
   return forest;
 }

@@ -41,15 +41,23 @@ std::vector<double> walkTrees(const Forest& forest, const Samples& samples) {
   return {probabilities.begin(), probabilities.end()};
 }
 
-using Codes = std::vector<std::vector<std::uint8_t>>;  // a column a feature
+using Codes = std::vector<std::vector<std::uint8_t>>;  // a column per feature
 
-template <typename Columns, typename Maps>
-Codes heldOutCodes(const Columns& columns, const Maps& maps, const SampleLabels& samples) {
+Codes heldOutCodes(const Samples& samples, const FeatureQuantizer& quantizer) {
   Codes codes;
-  for (std::size_t f = 0; f < columns.size(); ++f) {
-    const std::vector<float> values = heldOutPart(columns[f], samples);
+  for (int f = 0; f < kFeatureCount; ++f) {
+    const std::vector<float> values = heldOutPart(samples.features[f], samples);
     codes.emplace_back(values.size());
-    quantize(maps[f], values.data(), static_cast<int>(values.size()), codes.back().data());
+    quantize(quantizer.maps[f], values.data(), static_cast<int>(values.size()),
+             codes.back().data());
+  }
+  return codes;
+}
+
+Codes heldOutCodes(const ConfidenceSamples& samples) {
+  Codes codes;
+  for (const std::vector<std::uint8_t>& column : samples.features) {
+    codes.push_back(heldOutPart(column, samples));
   }
   return codes;
 }
@@ -159,18 +167,13 @@ void measure(const std::vector<double>& probabilities, const SampleLabels& sampl
 }  // namespace
 
 std::vector<double> heldOutProbabilities(const Forest& forest, const Samples& samples) {
-  return forest.general_trees.empty()
-             ? askTrees(forest, heldOutCodes(samples.features, forest.quantizer.maps, samples))
-             : walkTrees(forest, samples);
+  return forest.general_trees.empty() ? askTrees(forest, heldOutCodes(samples, forest.quantizer))
+                                      : walkTrees(forest, samples);
 }
 
 std::vector<double> heldOutProbabilities(const ConfidenceForest& forest,
                                          const ConfidenceSamples& samples) {
-  Codes codes;
-  for (const std::vector<std::uint8_t>& column : samples.features) {
-    codes.push_back(heldOutPart(column, samples));
-  }
-  return askTrees(forest, codes);
+  return askTrees(forest, heldOutCodes(samples));
 }
 
 void measureHeldOut(const Samples& samples, Forest& forest) {
@@ -189,14 +192,13 @@ std::string describeProvenance(const Forest& forest) {
   }
   text += "\n" + provenance.options + ", seed " + std::to_string(provenance.seed) + "\n" +
           describeRecord(provenance, kFeatureNames);
-  const auto describe = [&](const std::string& name, const ConfidenceForest* part) {
-    if (part != nullptr) {
-      text += name + ": " + std::to_string(part->trees.size()) + " trees, " +
-              part->record.options + "\n" + describeRecord(part->record, part->feature_names);
+  for (const ConfidenceStage& stage : kConfidenceStages) {
+    if (const ConfidenceForest* further = (forest.*stage.forest).get()) {
+      text += std::string(stage.name) + " forest: " + std::to_string(further->trees.size()) +
+              " trees, " + further->record.options + "\n" +
+              describeRecord(further->record, further->feature_names);
     }
-  };
-  describe("confidence forest", forest.confidence.get());
-  describe("selection forest", forest.selection.get());
+  }
   return text;
 }
 

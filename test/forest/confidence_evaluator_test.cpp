@@ -18,7 +18,7 @@ constexpr int kQueries = ConfidenceEvaluator::kQueries;
 ConfidenceCodes randomCodes(const ConfidenceForest& forest) {
   std::mt19937 random(5);
   ConfidenceCodes codes(forest);
-  for (std::size_t f = 0; f < forest.code_maps.size(); ++f) {
+  for (std::size_t f = 0; f < forest.feature_names.size(); ++f) {
     for (int i = 0; i < kQueries; ++i) {
       const int code = static_cast<int>(random() % 256);
       const int end = random() % 2 == 0 ? 0 : 255;

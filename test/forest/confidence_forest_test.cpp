@@ -13,8 +13,9 @@ namespace {
 
 /// What requireFeatures says of a forest with the features f0, f1 and f2.
 std::string faultOf(const std::vector<std::string>& names) {
-  return errorText(
-      [&] { requireFeatures(makeConfidenceForest(3, 1, 1, 1), names, "some.forest"); });
+  return errorText([&] {
+    requireFeatures(makeConfidenceForest(3, 1, 1, 1), "selection", names, "some.forest");
+  });
 }
 
 TEST(ConfidenceForest, TakesTheFeaturesItWasTrainedOn) {
@@ -22,8 +23,9 @@ TEST(ConfidenceForest, TakesTheFeaturesItWasTrainedOn) {
 }
 
 TEST(ConfidenceForest, NamesTheFirstFeatureThatDiffers) {
-  EXPECT_TRUE(mentions(faultOf({"f0", "x", "f2"}),
-                       {"some.forest", "feature 1", "\"f1\"", "expects \"x\"", "cbmv_train"}));
+  EXPECT_TRUE(
+      mentions(faultOf({"f0", "x", "f2"}), {"some.forest", "feature 1 of the selection forest",
+                                            "\"f1\"", "expects \"x\"", "cbmv_train"}));
   EXPECT_TRUE(mentions(faultOf({"f0", "f2", "f1"}), {"feature 1", "\"f1\"", "expects \"f2\""}));
   EXPECT_TRUE(mentions(faultOf({"f0", "f1"}), {"feature 2", "\"f2\"", "expects 2 features"}));
   EXPECT_TRUE(

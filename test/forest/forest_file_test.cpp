@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #include <gmock/gmock.h>
@@ -255,8 +256,15 @@ Forest withConfidence(const ConfidenceForest& confidence) {
   return forest;
 }
 
+Forest withSelection(const ConfidenceForest& selection) {
+  Forest forest = withConfidence(makeConfidenceForest(2, 3, 2, 5));
+  forest.selection = std::make_shared<const ConfidenceForest>(selection);
+  return forest;
+}
+
 TEST(ForestFile, KeepsTheConfidenceForest) {
   ConfidenceForest confidence = makeConfidenceForest(30, 20, 8, 5);
+  addSigmaModel(confidence);
   confidence.record.reliability = {{0.05, 0.0625, 12}};
   confidence.record.calibration_error = 0.0375;
   confidence.record.feature_importance.assign(30, 1.0 / 32);
@@ -266,10 +274,11 @@ TEST(ForestFile, KeepsTheConfidenceForest) {
   const Forest read = readForest(pathOf("both"));
   EXPECT_EQ(read.trees.size(), 3U);
   EXPECT_EQ(read.provenance.options, forest.provenance.options);
+  EXPECT_EQ(read.selection, nullptr);
   ASSERT_NE(read.confidence, nullptr);
   EXPECT_EQ(read.confidence->feature_names, confidence.feature_names);
-  EXPECT_EQ(read.confidence->sigma_coefficients, confidence.sigma_coefficients);
-  EXPECT_EQ(read.confidence->sigma_bounds_px, confidence.sigma_bounds_px);
+  EXPECT_EQ(read.confidence->sigma_px, confidence.sigma_px);
+  EXPECT_EQ(read.confidence->sigma_roughness_bounds, confidence.sigma_roughness_bounds);
   EXPECT_EQ(read.confidence->record.options, "trees 20");
   EXPECT_EQ(read.confidence->record.samples, 1234);
   EXPECT_EQ(read.confidence->record.held_out_log_loss, 0.375);
@@ -277,6 +286,35 @@ TEST(ForestFile, KeepsTheConfidenceForest) {
   EXPECT_EQ(read.confidence->record.calibration_error, 0.0375);
   EXPECT_EQ(read.confidence->record.feature_importance, confidence.record.feature_importance);
   EXPECT_EQ(forestChecksum(read), forestChecksum(forest));  // trees, maps, scale
+}
+
+TEST(ForestFile, KeepsTheSelectionForest) {
+  ConfidenceForest selection = makeConfidenceForest(7, 9, 4, 6);
+  selection.record.feature_importance.assign(7, 1.0 / 8);
+  const Forest forest = withSelection(selection);
+  writeForest(forest, pathOf("three"));
+  EXPECT_THAT(contentOf(pathOf("three")), HasSubstr("\"version\": 2"));
+  const Forest read = readForest(pathOf("three"));
+  ASSERT_NE(read.confidence, nullptr);
+  ASSERT_NE(read.selection, nullptr);
+  EXPECT_EQ(read.confidence->feature_names, forest.confidence->feature_names);
+  EXPECT_EQ(read.confidence->record.options, "trees 3");
+  EXPECT_EQ(read.selection->feature_names, selection.feature_names);
+  EXPECT_EQ(read.selection->trees.size(), 9U);
+  EXPECT_TRUE(read.selection->sigma_px.empty());
+  EXPECT_EQ(read.selection->record.options, "trees 9");
+  EXPECT_EQ(read.selection->record.feature_importance, selection.record.feature_importance);
+  EXPECT_EQ(forestChecksum(read), forestChecksum(forest));
+}
+
+TEST(ForestFile, SelectionNeedsConfidence) {
+  Forest forest = withSelection(makeConfidenceForest(2, 3, 2, 5));
+  forest.confidence = nullptr;
+  EXPECT_THAT(refusalToWrite(forest), HasSubstr("selection forest without a confidence forest"));
+  ConfidenceForest selection = makeConfidenceForest(2, 3, 2, 5);
+  addSigmaModel(selection);
+  EXPECT_THAT(refusalToWrite(withSelection(selection)),
+              HasSubstr("sigma_px in its selection forest"));
 }
 
 TEST(ForestFile, KeepsTheConfidenceForestOfGeneralTrees) {
@@ -293,11 +331,19 @@ TEST(ForestFile, IsOfVersion1WithoutAConfidenceForest) {
   EXPECT_EQ(readForest(pathOf("one")).confidence, nullptr);
 }
 
-TEST(ForestFile, ChecksumCoversTheConfidenceForest) {
-  writeForest(withConfidence(makeConfidenceForest(2, 3, 2, 5)), pathOf("both"));
+TEST(ForestFile, ChecksumCoversTheFurtherForests) {
+  ConfidenceForest confidence = makeConfidenceForest(2, 3, 2, 5);
+  addSigmaModel(confidence);
+  Forest forest = withConfidence(confidence);
+  ConfidenceForest selection = makeConfidenceForest(6, 3, 2, 7);
+  selection.bias = 0.875;
+  forest.selection = std::make_shared<const ConfidenceForest>(selection);
+  writeForest(forest, pathOf("both"));
   const std::string good = contentOf(pathOf("both"));
   for (const auto& [from, to] :
-       {std::pair("\"f1\"", "\"f2\""), std::pair("0.75", "0.76"), std::pair("0.0625", "0.0626")}) {
+       {std::pair("\"f0\"", "\"g0\""), std::pair("\"bias\": 0.75", "\"bias\": 0.76"),
+        std::pair("9.25", "9.26"), std::pair("200", "201"), std::pair("\"f5\"", "\"g5\""),
+        std::pair("0.875", "0.876")}) {
     writeAll(pathOf("bad"), replaced(good, from, to));
     EXPECT_THAT(refusal(pathOf("bad")), HasSubstr("is damaged")) << from;
   }
@@ -307,11 +353,16 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
   const auto fault = [](const auto& change) {
     ConfidenceForest confidence = makeConfidenceForest(5, 3, 4, 2);
     change(confidence);
-    return refusalToWrite(withConfidence(confidence));
+    const std::string of_selection = refusalToWrite(withSelection(confidence));
+    const std::string of_confidence = refusalToWrite(withConfidence(confidence));
+    EXPECT_EQ(of_selection, of_confidence.empty()
+                                ? ""
+                                : replaced(of_confidence, "confidence forest", "selection forest"));
+    return of_confidence;
   };
   using Changed = ConfidenceForest;
   const auto of_confidence = [](const char* text) {
-    return HasSubstr(std::string("the confidence forest ") + text);
+    return HasSubstr(std::string("refused: confidence forest: ") + text);
   };
   EXPECT_THAT(fault([](Changed& f) { f.feature_names.clear(); }),
               of_confidence("has 0 features instead of 1 to 64"));
@@ -321,10 +372,6 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
               of_confidence("has no name for feature 3"));
   EXPECT_THAT(fault([](Changed& f) { f.feature_names[4] = "f1"; }),
               of_confidence("has the name \"f1\" twice, again for feature 4"));
-  EXPECT_THAT(fault([](Changed& f) { f.code_maps.pop_back(); }),
-              of_confidence("has 4 code maps instead of 5"));
-  EXPECT_THAT(fault([](Changed& f) { f.code_maps[1].scale = std::nanf(""); }),
-              of_confidence("has a code map"));
   EXPECT_THAT(fault([](Changed& f) { f.trees.clear(); }), of_confidence("has 0 trees"));
   EXPECT_THAT(fault([](Changed& f) { f.trees.resize(257, f.trees[0]); }),
               of_confidence("has 257 trees instead of 1 to 256"));
@@ -333,20 +380,38 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
   EXPECT_THAT(fault([](Changed& f) { f.trees[1].leaves.pop_back(); }),
               of_confidence("tree 1 has 3 leaves for 2 levels"));
   EXPECT_THAT(fault([](Changed& f) { f.bias = std::nan(""); }), of_confidence("has a leaf unit"));
-  EXPECT_THAT(fault([](Changed& f) { f.sigma_coefficients.resize(65); }),
-              of_confidence("has 65 sigma coefficients"));
-  EXPECT_THAT(fault([](Changed& f) { f.sigma_coefficients[1] = std::nan(""); }),
-              of_confidence("has a sigma coefficient that is not finite"));
-  for (const std::array<double, 2> bounds :
-       {std::array{0.0, 1.0}, {2.0, 1.0}, {1.0, 1000.0}, {1.0, std::nan("")}}) {
-    EXPECT_THAT(fault([&](Changed& f) { f.sigma_bounds_px = bounds; }),
-                of_confidence("has sigma bounds"));
-  }
   EXPECT_THAT(fault([](Changed& f) {
                 f.record.feature_importance = {0.5, 0.5};
               }),
               of_confidence("has the importance of 2 features instead of 5"));
-  EXPECT_EQ(fault([](Changed& f) { f.sigma_coefficients.clear(); }), "");
+  EXPECT_EQ(fault([](Changed&) {}), "");
+}
+
+TEST(ForestFile, NamesWhatIsWrongWithAModelOfTheStandardDeviation) {
+  const auto fault = [](const auto& change) {
+    ConfidenceForest confidence = makeConfidenceForest(5, 3, 4, 2);
+    addSigmaModel(confidence);
+    change(confidence);
+    return refusalToWrite(withConfidence(confidence));
+  };
+  using Changed = ConfidenceForest;
+  EXPECT_EQ(fault([](Changed&) {}), "");
+  EXPECT_THAT(fault([](Changed& f) { f.feature_names.back() = "f4"; }),
+              HasSubstr("confidence forest: has sigma_px without the feature \"roughness_5\""));
+  EXPECT_THAT(fault([](Changed& f) { f.sigma_px.pop_back(); }),
+              HasSubstr("has 39 values of sigma_px instead of 40"));
+  EXPECT_THAT(fault([](Changed& f) { f.sigma_px.push_back(1); }), HasSubstr("has 41 values"));
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double sigma : {0.0, -1.0, 10.001, infinite, std::nan("")}) {
+    EXPECT_THAT(fault([&](Changed& f) { f.sigma_px[39] = sigma; }),
+                HasSubstr("has a value of sigma_px that is not in (0, 10]"))
+        << sigma;
+  }
+  for (const std::array<std::uint8_t, 3> bounds :
+       {std::array<std::uint8_t, 3>{3, 2, 4}, {1, 2, 2}}) {
+    EXPECT_THAT(fault([&](Changed& f) { f.sigma_roughness_bounds = bounds; }),
+                HasSubstr("has sigma_roughness_bounds that do not rise"));
+  }
 }
 
 /// The sentence that a text is refused with; empty if it is a forest.
@@ -366,7 +431,9 @@ std::string refusalOfModel(const std::string& model, int version = 1) {
                            R"(, "provenance": {"program": "", "data_set": "", "scenes": [],
                            "options": "", "samples": 1, "seed": 1, "held_out_log_loss": 0,
                            "confidence_forest": {"options": "", "samples": 1,
-                                                 "held_out_log_loss": 0}},
+                                                 "held_out_log_loss": 0},
+                           "selection_forest": {"options": "", "samples": 1,
+                                                "held_out_log_loss": 0}},
                            "checksum": "%", "model": )" +
                            model + "}";
   const std::string fault = refusalOfText(text);
@@ -399,28 +466,51 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
   EXPECT_THAT(refusal_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
 }
 
-/// Of the second forest in a file, too.
-TEST(ForestFile, RefusesNumbersThatDoNotFitTheConfidenceForest) {
-  const auto refusal_of = [](const std::string& maps, const std::string& level,
-                             const std::string& rest, int version = 2) {
+/// Of the further forests in a file, too; the message says of which.
+TEST(ForestFile, RefusesNumbersThatDoNotFitTheFurtherForests) {
+  const auto further = [](const std::string& level, const std::string& sigma = "") {
+    return R"({"features": ["a", "roughness_5"], "bias": 0, "leaf_unit": 1, "trees": [
+               {"levels": [)" +
+           level + R"(], "leaves": [0, 1]}])" + sigma + "}";
+  };
+  const auto refusal_of = [](const std::string& confidence, const std::string& selection,
+                             int version = 2) {
     return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
-                              "trees": [{"nodes": [0]}], "confidence_forest": {
-                              "features": ["a", "b"], "bias": 0, "leaf_unit": 1, "code_maps": )" +
-                              maps + R"(, "trees": [{"levels": [)" + level +
-                              R"(], "leaves": [0, 1]}])" + rest + "}}",
+                              "trees": [{"nodes": [0]}], "confidence_forest": )" +
+                              confidence + R"(, "selection_forest": )" + selection + "}",
                           version);
   };
-  const std::string maps = "[[1, 0], [1, 0]]";
-  EXPECT_EQ(refusal_of(maps, "[1, 255]", ""), "");
-  EXPECT_THAT(refusal_of("[[1, 0]]", "[1, 255]", ""), HasSubstr("1 code maps instead of 2"));
-  EXPECT_THAT(refusal_of(maps, "[2, 255]", ""),
-              AllOf(HasSubstr("confidence forest"), HasSubstr("feature is 2")));
-  EXPECT_THAT(refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1])"),
-              HasSubstr("sigma_bounds_px"));
-  EXPECT_THAT(
-      refusal_of(maps, "[1, 255]", R"(, "sigma_coefficients": [1], "sigma_bounds_px": [1]})"),
-      HasSubstr("folder/text"));
-  EXPECT_EQ(refusal_of("[[1, 0]]", "[9, 255]", "", 1), "");  // version 1 has no such entry
+  const std::string good = further("[1, 255]");
+  EXPECT_EQ(refusal_of(good, good), "");
+  EXPECT_THAT(refusal_of(further("[2, 255]"), good),
+              HasSubstr("folder/text: confidence forest: a tree's feature is 2"));
+  EXPECT_THAT(refusal_of(good, further("[2, 255]")),
+              HasSubstr("folder/text: selection forest: a tree's feature is 2"));
+  EXPECT_THAT(refusal_of(good, "{}"),
+              AllOf(HasSubstr("selection forest: has a missing"), HasSubstr("key 'features'")));
+  EXPECT_EQ(refusal_of("{}", "{}", 1), "");  // version 1 has no such entries
+}
+
+TEST(ForestFile, RefusesNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
+  const auto refusal_of = [](const std::string& bounds) {
+    std::string sigmas = "1";
+    for (int k = 1; k < 40; ++k) {
+      sigmas += ", 10";
+    }
+    return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
+                              "trees": [{"nodes": [0]}], "confidence_forest": {
+                              "features": ["roughness_5"], "bias": 0, "leaf_unit": 1, "trees": [
+                              {"levels": [[0, 1]], "leaves": [0, 1]}], "sigma_px": [)" +
+                              sigmas + "]" + bounds + "}}",
+                          2);
+  };
+  EXPECT_EQ(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 255])"), "");
+  EXPECT_THAT(refusal_of(""), HasSubstr("key 'sigma_roughness_bounds'"));
+  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1])"), HasSubstr("has 2 sigma_rough"));
+  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 2, 3])"), HasSubstr("has 4 sigma"));
+  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 256])"), HasSubstr("is 256"));
+  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 1.5])"), HasSubstr("whole number"));
+  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": 7)"), HasSubstr("has 1 sigma_rough"));
 }
 
 /// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.
@@ -471,6 +561,16 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
     EXPECT_THAT(refusalOfText(replaced(kXgboostModel, from, to)),
                 AllOf(HasSubstr("folder/text"), HasSubstr(fault)))
         << from << " to " << to;
+  }
+}
+
+/// They are of version 1, and nothing of their models is lost.
+TEST(ForestFile, ShippedForestsKeepTheirChecksums) {
+  for (const char* name : {"middlebury", "middlebury_small", "middlebury_without_motorcycle"}) {
+    const std::string path = std::string(CBMV_SOURCE_DIR "/models/") + name + ".forest";
+    const std::string head = contentOf(path).substr(0, 8192);
+    EXPECT_THAT(head, HasSubstr("\"version\": 1"));
+    EXPECT_TRUE(mentions(head, {"\"checksum\": \"" + forestChecksum(readForest(path)) + "\""}));
   }
 }
 

@@ -57,15 +57,21 @@ inline ConfidenceForest makeConfidenceForest(int features, int trees, int max_de
   forest.leaf_unit = 1.0 / 512;
   for (int f = 0; f < features; ++f) {
     forest.feature_names.push_back("f" + std::to_string(f));
-    forest.code_maps.push_back({200.0F + static_cast<float>(f), 1.5F});
   }
   forest.trees = makeObliviousTrees(trees, max_depth, features, seed);
-  forest.sigma_coefficients = {0.25, -0.125};
-  forest.sigma_bounds_px = {0.0625, 4.0};
   forest.record.options = "trees " + std::to_string(trees);
   forest.record.samples = 1234;
   forest.record.held_out_log_loss = 0.375;
   return forest;
+}
+
+/// Gives the forest the model of the standard deviation; its last feature becomes the roughness.
+inline void addSigmaModel(ConfidenceForest& forest) {
+  forest.feature_names.back() = ConfidenceForest::kRoughness;
+  forest.sigma_roughness_bounds = {2, 20, 200};
+  for (int k = 1; k <= 40; ++k) {
+    forest.sigma_px.push_back(k / 4.0);
+  }
 }
 
 /// Log-odds of one hypothesis, tree by tree, question by question.

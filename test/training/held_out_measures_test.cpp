@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -101,7 +102,6 @@ TEST(HeldOutMeasures, CountsWhatIsCorrectInEachBin) {
 /// Two codes, two answers.
 ConfidenceForest confidenceStump() {
   ConfidenceForest forest = makeConfidenceForest(1, 1, 1, 1);
-  forest.code_maps = {{100, 0}};
   forest.bias = 0;
   forest.leaf_unit = std::log(3.0);
   forest.trees[0] = {{{0, 50}}, {-1, 1}};  // 0.25 or 0.75
@@ -113,7 +113,10 @@ TEST(HeldOutMeasures, AreTheSameOfAConfidenceForest) {
   ConfidenceSamples same;
   static_cast<SampleLabels&>(same) = samples;
   same.feature_names = {"f0"};
-  same.features = {samples.features[0]};
+  same.features.resize(1);
+  for (const float value : samples.features[0]) {
+    same.features[0].push_back(static_cast<std::uint8_t>(100 * value));
+  }
   ConfidenceForest confidence = confidenceStump();
   EXPECT_NEAR(heldOutProbabilities(confidence, same).at(0), 0.25, 1e-12);
   measureHeldOut(same, confidence);
@@ -123,6 +126,26 @@ TEST(HeldOutMeasures, AreTheSameOfAConfidenceForest) {
   EXPECT_NEAR(confidence.record.calibration_error, forest.provenance.calibration_error, 1e-12);
   ASSERT_EQ(confidence.record.reliability.size(), 2U);
   EXPECT_EQ(confidence.record.reliability[1].samples, 3);
+}
+
+TEST(HeldOutMeasures, ProbabilitiesAreThoseOfTheConfidenceForest) {
+  const ConfidenceForest forest = makeConfidenceForest(30, 20, 8, 5);
+  std::mt19937 random(9);
+  ConfidenceSamples samples;
+  samples.features.resize(30);
+  for (int n = 0; n < 500; ++n) {
+    for (std::vector<std::uint8_t>& column : samples.features) {
+      column.push_back(static_cast<std::uint8_t>(random() % 256));
+    }
+    samples.labels.push_back(0);
+    samples.held_out.push_back(n % 4 == 0 ? 1 : 0);
+  }
+  const std::vector<double> found = heldOutProbabilities(forest, samples);
+  ASSERT_EQ(found.size(), 125U);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const double log_odds = naiveLogOdds(forest, [&](int f) { return samples.features[f][4 * k]; });
+    ASSERT_NEAR(found[k], 1 / (1 + std::exp(-log_odds)), 1e-12) << k;
+  }
 }
 
 TEST(HeldOutMeasures, NeedHeldOutSamples) {
@@ -153,14 +176,22 @@ TEST(HeldOutMeasures, AreDescribedWithTheFeaturesByImportance) {
   EXPECT_EQ(text.find("confidence forest"), std::string::npos);
 }
 
-TEST(HeldOutMeasures, AreDescribedOfBothForestsOfAFile) {
+TEST(HeldOutMeasures, AreDescribedOfAllForestsOfAFile) {
   ConfidenceForest confidence = confidenceStump();
   confidence.record.feature_importance = {1.0};
   Forest forest;
   forest.confidence = std::make_shared<const ConfidenceForest>(confidence);
-  const std::string text = describeProvenance(forest);
+  std::string text = describeProvenance(forest);
   for (const char* part :
        {"confidence forest: 1 trees, trees 1", "1234 samples", "f0 ", "100.00 %"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_EQ(text.find("selection forest"), std::string::npos);
+  ConfidenceForest selection = makeConfidenceForest(2, 5, 1, 1);
+  selection.record.samples = 777;
+  forest.selection = std::make_shared<const ConfidenceForest>(selection);
+  text = describeProvenance(forest);
+  for (const char* part : {"1234 samples", "selection forest: 5 trees, trees 5\n777 samples"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }

@@ -94,9 +94,6 @@ struct FeatureQuantizer {
 /// Codes of `count` values.
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes);
 
-/// The same minus 128, as blocks of codes hold them.
-void quantize(const CodeMap& map, const float* values, int count, std::int8_t* codes);
-
 /// Codes of the features of some hypotheses, as the forest takes them: few enough for the
 /// first-level cache, and minus 128, since signed bytes compare fastest.
 struct CodeBlock {

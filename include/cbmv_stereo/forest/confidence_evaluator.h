@@ -21,7 +21,7 @@ class ConfidenceCodes {
     codes_.assign(forest.feature_names.size() * kQueries, 0);
   }
 
-  /// Codes of one feature, minus 128: of at most kQueries queries.
+  /// One feature of at most kQueries queries, minus 128.
   std::int8_t* line(int feature) {
     return codes_.data() + static_cast<std::ptrdiff_t>(feature) * kQueries;
   }

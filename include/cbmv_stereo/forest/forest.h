@@ -47,16 +47,28 @@ enum class ForestOutput {
 /// oblivious (codes of features, fast: what the node is made for) or general (feature values, as
 /// random forests and XGBoost have them, slow: for research).
 ///
-/// A file may hold a second forest, which was trained on the maps of the first one: the confidence
-/// forest judges the disparity of every pixel, the selection forest those of its neighbors for it.
+/// A file may also hold forests that were trained on the maps of this one: a confidence forest, or
+/// a confidence forest and a selection forest.
 struct Forest : ObliviousForest {
   std::string name;                         ///< for messages: the file's name without its folder
   FeatureQuantizer quantizer;               ///< for the oblivious trees
   std::vector<DecisionTree> general_trees;  ///< empty unless `trees` is; they share the bias
   ForestOutput output = ForestOutput::kLogOdds;  ///< of bias and general trees
   ForestProvenance provenance;
-  std::shared_ptr<const ConfidenceForest> confidence;  ///< null: the file has none
-  std::shared_ptr<const ConfidenceForest> selection;   ///< null: none; only beside `confidence`
+  /// Of a disparity of the final map. Null: the file has none.
+  std::shared_ptr<const ConfidenceForest> confidence;
+  /// Of a disparity that a neighbor proposes. Null: the file has none; always null without
+  /// `confidence`, and without a model of the standard deviation.
+  std::shared_ptr<const ConfidenceForest> selection;
 };
+
+/// One of the further forests of a file.
+struct ConfidenceStage {
+  const char* name;
+  std::shared_ptr<const ConfidenceForest> Forest::*forest;
+};
+
+inline constexpr std::array<ConfidenceStage, 2> kConfidenceStages = {
+    {{"confidence", &Forest::confidence}, {"selection", &Forest::selection}}};
 
 }  // namespace cbmv

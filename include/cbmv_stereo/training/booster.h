@@ -17,9 +17,9 @@ class Booster {
  public:
   using Column = std::vector<std::uint8_t>;
 
-  /// `codes`: a column a feature; `asked`: whether trees may ask for it. `labels` has to outlive
-  /// the object.
-  Booster(std::vector<Column> codes, std::vector<bool> asked, const SampleLabels& labels,
+  /// `codes`: a column per feature; `asked`: whether trees may ask for it. `codes` and `labels`
+  /// have to outlive the object.
+  Booster(const std::vector<Column>& codes, std::vector<bool> asked, const SampleLabels& labels,
           const BoostingOptions& options);
 
   /// Log-odds of the samples that are trained on.
@@ -76,7 +76,7 @@ class Booster {
   std::int8_t leafValue(const Sum& sum) const;
 
   BoostingOptions options_;
-  std::vector<Column> codes_;
+  const std::vector<Column>& codes_;
   std::vector<bool> asked_;
   const SampleLabels& labels_;
   double bias_ = 0;

@@ -27,8 +27,8 @@ void measureHeldOut(const Samples& samples, Forest& forest);
 /// The same of the record of a confidence forest.
 void measureHeldOut(const ConfidenceSamples& samples, ConfidenceForest& forest);
 
-/// All of the provenance of a file in lines for people, features sorted by their importance; that
-/// of the confidence forest behind, if there is one.
+/// All of the provenance of a file in lines for people, features sorted by their importance; those
+/// of the confidence forest and the selection forest behind, if there are such.
 std::string describeProvenance(const Forest& forest);
 
 }  // namespace cbmv
