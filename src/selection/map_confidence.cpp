@@ -9,7 +9,7 @@ namespace cbmv {
 
 MapConfidence::MapConfidence(const ConfidenceForest& forest, const std::string& file_name)
     : forest_(forest), evaluator_(forest) {
-  requireFeatures(forest, confidenceFeatureNames(), file_name);
+  requireFeatures(forest, "confidence", confidenceFeatureNames(), file_name);
 }
 
 void MapConfidence::estimate(const JudgedMaps& maps) {

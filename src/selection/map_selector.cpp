@@ -17,7 +17,7 @@ bool isUnsure(std::uint8_t confidence) { return confidence < ConfidentNeighbors:
 MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
     : forest_(std::move(forest)), confidence_(*forest_->confidence, forest_->name) {
   if (forest_->selection != nullptr) {
-    requireFeatures(*forest_->selection, selectionFeatureNames(), forest_->name);
+    requireFeatures(*forest_->selection, "selection", selectionFeatureNames(), forest_->name);
     evaluator_.emplace(*forest_->selection);
   }
 }

@@ -214,7 +214,7 @@ void SecondForestTrainer::fitSigma(const std::vector<ConfidenceForest>& crossed,
     forest.sigma_roughness_bounds[i] =
         static_cast<std::uint8_t>(std::max<int>(least, quantile(roughness, share)));
   }
-  ErrorBins bins(ConfidenceForest::kSigmaBins);
+  ErrorBins bins(ConfidenceForest::kSigmaRoughnessBins * ConfidenceForest::kSigmaConfidenceBins);
   for (const Judged& judged : judged_) {
     ConfidenceForest judge = crossed[judged.group];
     judge.sigma_roughness_bounds = forest.sigma_roughness_bounds;

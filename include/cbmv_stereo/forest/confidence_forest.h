@@ -28,6 +28,23 @@ struct ConfidenceForest : ObliviousForest {
   /// Limits between the roughness bins, rising: bin k begins at limit k − 1.
   std::array<std::uint8_t, kSigmaRoughnessBins - 1> sigma_roughness_bounds{};
   TrainingRecord record;  ///< data set, scenes and seed are those of the file
+
+  bool hasSigma() const { return !sigma_px.empty(); }
+  /// Bin of a value of kRoughness.
+  int roughnessBin(std::uint8_t roughness) const {
+    int bin = 0;
+    for (const std::uint8_t bound : sigma_roughness_bounds) {
+      bin += roughness >= bound ? 1 : 0;
+    }
+    return bin;
+  }
+  /// Number of a bin of sigma_px; `confidence` in 1/255.
+  static int sigmaBin(int roughness_bin, std::uint8_t confidence) {
+    return roughness_bin * kSigmaConfidenceBins + confidence * kSigmaConfidenceBins / 256;
+  }
+  float sigmaPx(int roughness_bin, std::uint8_t confidence) const {
+    return static_cast<float>(sigma_px[sigmaBin(roughness_bin, confidence)]);
+  }
 };
 
 /// Throws Error that names the file of the forest, its stage ("confidence" or "selection") and the
