@@ -12,9 +12,9 @@
 #include "offline/double_rectification.h"
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
-#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {

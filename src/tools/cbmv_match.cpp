@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -16,6 +17,7 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/io/preview.h"
@@ -27,11 +29,24 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kTool = "cbmv_match";
+constexpr const char* kOutputs[] = {"disparity.pfm", "disparity.png", "confidence.pfm",
+                                    "confidence.png", "depth.pfm",     "cloud.ply"};
 
 struct Arguments {
   StereoArguments stereo;
   std::string left, right, forest, calibration, right_calibration, output;
 };
+
+/// The images may lie in the folder that is written to.
+void requireOtherOutputs(const Arguments& arguments) {
+  const std::vector<std::string> inputs = {arguments.left, arguments.right, arguments.calibration,
+                                           arguments.right_calibration};
+  std::vector<std::string> outputs;
+  for (const char* name : kOutputs) {
+    outputs.push_back(arguments.output + "/" + name);
+  }
+  requireOtherFiles(inputs, outputs);
+}
 
 std::optional<StereoCameraFile> readCalibration(const Arguments& arguments) {
   return arguments.calibration.empty()
@@ -95,6 +110,7 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
 
 void match(const Arguments& arguments) {
   requireWritableFolder(arguments.output);
+  requireOtherOutputs(arguments);
   const auto calibration = readCalibration(arguments);
   const StereoInput input = readInput(arguments, calibration);
   const StereoOptions options = readOptions(arguments, calibration, input.left.cols);

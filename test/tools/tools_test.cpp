@@ -266,6 +266,38 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   }
 }
 
+/// By whatever path: a forest that a report replaces is lost.
+TEST_F(ToolsTest, NoOutputIsAnInput) {
+  writeScene(path("data/One"), scene_);
+  const std::string data = "--dataset middlebury_v3:" + path("data");
+  const std::string forest = path("my.forest");
+  const std::string preset = path("my.yaml");
+  std::filesystem::copy_file(kForest, forest);
+  std::ofstream(preset) << "disparity_range: 32\n";
+  std::ofstream(path("list.txt")) << "left.png right.png data/One/disp0GT.pfm 1\n";
+  std::filesystem::create_hard_link(forest, path("link"));
+  const std::string list = "--dataset list:" + path("list.txt");
+  const std::string with_forest = " --forest " + forest;
+  const std::string lost = "which would be lost";
+  for (const char* option : {"json", "csv", "markdown"}) {
+    expectRefusal(run("cbmv_eval", data + with_forest + " --" + option + " " + path("link")),
+                  {path("link"), forest, lost});
+  }
+  expectRefusal(run("cbmv_eval", data + with_forest + " --preset " + preset + " --csv " + preset),
+                {preset, lost});
+  expectRefusal(run("cbmv_eval", list + with_forest + " --json " + path("list.txt")), {lost});
+  expectRefusal(run("cbmv_train", list + " --output " + path("list.txt")), {lost});
+  expectRefusal(run("cbmv_tune", data + with_forest + " --output " + forest), {forest, lost});
+  expectRefusal(
+      run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
+      {preset, lost});
+  std::filesystem::copy_file(path("left.png"), path("disparity.png"));
+  expectRefusal(run("cbmv_match", path("disparity.png") + " " + path("right.png") + with_forest +
+                                      " --output " + path("")),
+                {"disparity.png", lost});
+  EXPECT_EQ(contentOf(forest), contentOf(kForest));
+}
+
 TEST_F(ToolsTest, TellTheBoundsOfNumbers) {
   const std::string match = "left right --forest f --output o ";
   const std::string tune = "--dataset d --forest f --output o ";
