@@ -20,6 +20,10 @@ namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
+const std::string kKnownEncodings =
+    "Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. Set the encoding in the "
+    "driver.";
+
 /// Order of the bytes of YUV 4:2:2.
 enum class Yuv { kUyvy, kYuyv };
 
@@ -50,8 +54,7 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
   } catch (const std::runtime_error&) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has the unknown encoding " + quoted(message.encoding) +
-                         ". Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. "
-                         "Set the encoding in the driver.");
+                         ". " + kKnownEncodings);
   }
 }
 
@@ -177,10 +180,14 @@ cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<c
   checkImage(message, topic);
   try {
     return decodeChecked(message, owner, color);
-  } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
+  } catch (const cv_bridge::Exception&) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has the encoding " + quoted(message.encoding) +
-                         ", which cannot be converted to " + (color ? "color" : "gray") + ": " +
+                         ", which is not one of camera images. " + kKnownEncodings);
+  } catch (const std::exception& error) {  // OpenCV's own
+    throw InputError(InputFault::kUnsupportedEncoding,
+                     topic + " of the encoding " + quoted(message.encoding) +
+                         " cannot be converted to " + (color ? "color" : "gray") + ": " +
                          error.what());
   }
 }

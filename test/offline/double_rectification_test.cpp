@@ -74,5 +74,19 @@ TEST_F(DoubleRectification, IsSuspectedWhereRowsAreWorseAfterwards) {
   }
 }
 
+TEST_F(DoubleRectification, IsNotTakenForACalibrationThatDoesNotFit) {
+  PairMessages messages = rectifiedPair();
+  Lens left = weakened(kLeftLens, 0);
+  Lens right = weakened(kRightLens, 0);
+  left.rotation = {0.006, 0, 0};
+  right.rotation = {-0.006, 0, 0};
+  makeRaw(left, right, messages);
+  left.rotation *= -1;
+  right.rotation *= -1;
+  left.describe(*messages.left_info);
+  right.describe(*messages.right_info);
+  EXPECT_THAT(warning(messages), HasSubstr("The calibration does not fit the images"));
+}
+
 }  // namespace
 }  // namespace cbmv
