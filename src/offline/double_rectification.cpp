@@ -62,4 +62,24 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
   }
 }
 
+std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
+                                  const StereoOptions& options) {
+  try {
+    const VerticalOffsetMeasurement rows = measure(topics, frame, options);
+    if (rows.model.matches == 0 || rows.rms_before_px <= kRectifiedPx) {
+      return {};
+    }
+    std::array<char, 300> text{};
+    std::snprintf(text.data(), text.size(),
+                  ": the rows of the pair are %.2f px apart, expected at most %.2f px. They are "
+                  "corrected, but depth is probably wrong. %s",
+                  rows.rms_before_px, kRectifiedPx,
+                  topics.left.raw ? "Calibrate the cameras."
+                                  : "Use --rectified no for raw images, else calibrate the cameras.");
+    return topics.left.name + " and " + topics.right.name + text.data();
+  } catch (const InputError&) {
+    return {};  // it is said of the frame itself
+  }
+}
+
 }  // namespace cbmv

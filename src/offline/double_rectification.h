@@ -14,4 +14,9 @@ namespace cbmv {
 std::string doubleRectificationWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                        const StereoOptions& options);
 
+/// One message if the rows of the pair, as it is matched, are more than 1 px apart, as those of raw
+/// images that are taken as rectified; else, and where that cannot be measured, empty.
+std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
+                                  const StereoOptions& options);
+
 }  // namespace cbmv

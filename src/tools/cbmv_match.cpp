@@ -29,6 +29,7 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kTool = "cbmv_match";
+constexpr double kMostPxApart = 1.0;  // rows of a rectified pair are closer
 constexpr const char* kOutputs[] = {"disparity.pfm", "disparity.png", "confidence.pfm",
                                     "confidence.png", "depth.pfm",     "cloud.ply"};
 
@@ -108,6 +109,18 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
   writePly(folder + "cloud.ply", toPoints(valid, toColor8(left), frame.geometry));
 }
 
+/// Depth of images that are not rectified is wrong, even where their rows are aligned afterwards.
+void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
+  if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
+    std::fprintf(stderr,
+                 "%s: warning: the rows of %s and %s are %.2f px apart, expected at most %.2f px. "
+                 "They are corrected, but depth is probably wrong. Rectify the images, or calibrate "
+                 "the cameras again.\n",
+                 kTool, arguments.left.c_str(), arguments.right.c_str(), rows.rms_before_px,
+                 kMostPxApart);
+  }
+}
+
 void match(const Arguments& arguments) {
   requireWritableFolder(arguments.output);
   requireOtherOutputs(arguments);
@@ -119,6 +132,7 @@ void match(const Arguments& arguments) {
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
   }
+  warnOfMisalignedRows(arguments, processor.measureOffset(pair));
   std::fputs(describeOptions(options).c_str(), stdout);
 
   OwnOffset offset;

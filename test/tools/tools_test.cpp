@@ -97,6 +97,22 @@ TEST_F(ToolsTest, MatchRefusesWhatNeedsTooMuchMemory) {
                 {"64 disparities need", "MB", "max_memory_mb allows 2"});
 }
 
+TEST_F(ToolsTest, MatchWarnsOfRowsThatAreApart) {
+  const RenderedScene scene = renderScene(320, 240, 1);
+  const auto rowsFrom = [](const cv::Mat& image, int first) {
+    return image.rowRange(first, first + 230).clone();
+  };
+  writeImage(path("high.png"), rowsFrom(scene.left, 0));
+  writeImage(path("aligned.png"), rowsFrom(scene.right, 0));
+  writeImage(path("low.png"), rowsFrom(scene.right, 3));
+  const std::string rest = " --forest " + kForest + " --preset realtime --output " + path("out");
+  EXPECT_EQ(run("cbmv_match", path("high.png") + " " + path("aligned.png") + rest).output, "");
+  const Outcome outcome = run("cbmv_match", path("high.png") + " " + path("low.png") + rest);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output, testing::HasSubstr("px apart, expected at most 1.00 px"));
+  EXPECT_THAT(outcome.output, testing::HasSubstr(path("low.png")));
+}
+
 TEST_F(ToolsTest, MatchOptionsWinOverThePreset) {
   const std::string preset = folder_.write("wide.yaml", "max_memory_mb: 2\ndisparity_range: 99\n");
   const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
