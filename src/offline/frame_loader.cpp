@@ -214,8 +214,8 @@ sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& messag
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has an image of the format '" + message.format +
-                         "' that cannot be decoded; JPEG or PNG of at most " +
-                         std::to_string(kMaxImagePixels) + " pixels would be right");
+                         "' that cannot be decoded, expected JPEG or PNG of at most " +
+                         std::to_string(kMaxImagePixels) + " pixels. Record it anew");
   }
   return boost::make_shared<sensor_msgs::Image>(
       toMessage(image, encodingOf(image, message.format), message.header));

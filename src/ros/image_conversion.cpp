@@ -149,8 +149,8 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
                      both + " differ in frame_id (" + quoted(left) + " and " + quoted(right) +
-                         "); equal ones would be right, or true for the parameter "
-                         "allow_different_frame_ids");
+                         "), expected equal ones. Correct them in the driver, or set the parameter "
+                         "allow_different_frame_ids to true");
   }
 }
 
@@ -252,7 +252,8 @@ cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
     throw InputError(
         InputFault::kUnsupportedEncoding,
-        topic + " has the encoding " + quoted(message.encoding) + "; 32FC1 would be right");
+        topic + " has the encoding " + quoted(message.encoding) +
+            ", expected 32FC1. Connect a topic of disparities or depth in m");
   }
   checkImage(message, topic);
   if (message.is_bigendian != 0) {
