@@ -258,10 +258,11 @@ class PairChecker {
       return false;
     }
     if (baseline_m < kShortestBaselineM || baseline_m > kLongestBaselineM) {
-      warn(join("have a baseline of ", baseline_m, " m (", entries,
-                "), expected 0.005 to 5 m. Two usual causes: lengths in mm or cm, where P[3] needs m; or "
-                "P[3] = -baseline, where it has to be -fx * baseline. Depth is wrong by the same "
-                "factor."));
+      warn(join(
+          "have a baseline of ", baseline_m, " m (", entries,
+          "), expected 0.005 to 5 m. Two usual causes: lengths in mm or cm, where P[3] needs m; or "
+          "P[3] = -baseline, where it has to be -fx * baseline. Depth is wrong by the same "
+          "factor."));
     }
     return true;
   }

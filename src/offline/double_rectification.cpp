@@ -40,8 +40,8 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
     const VerticalOffsetMeasurement after = measure(topics, frame, options);
     const bool is_known = after.model.matches > 0;
     if (before.model.matches == 0 ||
-        (is_known && after.rms_before_px <
-                         std::max(kNoticeablePx, kClearlyWorse * before.rms_before_px))) {
+        (is_known &&
+         after.rms_before_px < std::max(kNoticeablePx, kClearlyWorse * before.rms_before_px))) {
       return {};
     }
     const char* const cause =
@@ -74,8 +74,9 @@ std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame
                   ": the rows of the pair are %.2f px apart, expected at most %.2f px. They are "
                   "corrected, but depth is probably wrong. %s",
                   rows.rms_before_px, kRectifiedPx,
-                  topics.left.raw ? "Calibrate the cameras."
-                                  : "Use --rectified no for raw images, else calibrate the cameras.");
+                  topics.left.raw
+                      ? "Calibrate the cameras."
+                      : "Use --rectified no for raw images, else calibrate the cameras.");
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
     return {};  // it is said of the frame itself

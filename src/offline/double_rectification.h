@@ -8,9 +8,10 @@
 
 namespace cbmv {
 
-/// Rectifying images that are rectified already, or by a calibration that is not theirs, spoils them
-/// without a word: one message if the rows of the pair are clearly farther apart after rectification
-/// than before; else, and where that cannot be measured, empty. Of topics that are raw.
+/// Rectifying images that are rectified already, or by a calibration that is not theirs, spoils
+/// them without a word: one message if the rows of the pair are clearly farther apart after
+/// rectification than before; else, and where that cannot be measured, empty. Of topics that are
+/// raw.
 std::string doubleRectificationWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                        const StereoOptions& options);
 

@@ -73,9 +73,9 @@ void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names
 
 struct DistortionModel {
   const char* name;
-  std::size_t coefficients;              ///< that it has
-  std::array<std::size_t, 5> accepted;   ///< by OpenCV
-  const char* counts;                    ///< the same as a text
+  std::size_t coefficients;             ///< that it has
+  std::array<std::size_t, 5> accepted;  ///< by OpenCV
+  const char* counts;                   ///< the same as a text
 };
 constexpr std::array<DistortionModel, 3> kDistortionModels = {
     {{"plumb_bob", 5, {4, 5, 8, 12, 14}, "4, 5, 8, 12 or 14"},
@@ -101,8 +101,9 @@ void requireCoefficients(const CameraCalibration& camera, const DistortionModel&
   const std::size_t count = camera.distortion.size();
   const auto& accepted = model.accepted;
   if (std::find(accepted.begin(), accepted.end(), count) == accepted.end()) {
-    failCalibration(names, "has " + std::to_string(count) + " distortion coefficients D of the model " +
-                               model.name + ", expected " + model.counts +
+    failCalibration(names, "has " + std::to_string(count) +
+                               " distortion coefficients D of the model " + model.name +
+                               ", expected " + model.counts +
                                ". Correct D, or name the model that it is of.");
   }
 }

@@ -75,7 +75,8 @@ void requireSameOrigin(const std::vector<LabelledShard>& shards) {
   for (const LabelledShard& other : shards) {
     if (other.label.origin != first.label.origin) {
       throw Error(first.path + " and " + other.path +
-                  " are of different recordings or settings, expected shards of one run. Give those of one run");
+                  " are of different recordings or settings, expected shards of one run. Give "
+                  "those of one run");
     }
     if (other.label.shard.count != first.label.shard.count) {
       throw Error(first.path + " is " + describeShard(first.label.shard) + " and " + other.path +
@@ -91,7 +92,8 @@ void requireEachOnce(const std::vector<LabelledShard>& shards) {
     const std::size_t number = i < shards.size() ? shards[i].label.shard.number : count + 1;
     if (i > 0 && number == shards[i - 1].label.shard.number) {
       throw Error(shards[i - 1].path + " and " + shards[i].path + " are both " +
-                  describeShard(shards[i].label.shard) + ", expected each shard once. Leave out one of them");
+                  describeShard(shards[i].label.shard) +
+                  ", expected each shard once. Leave out one of them");
     }
     const std::size_t expected = i > 0 ? shards[i - 1].label.shard.number + 1 : 1;
     if (number != expected) {

@@ -52,9 +52,9 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
     return static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8 *
            static_cast<std::size_t>(encodings::numChannels(message.encoding));
   } catch (const std::runtime_error&) {
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the unknown encoding " + quoted(message.encoding) +
-                         ". " + kKnownEncodings);
+    throw InputError(
+        InputFault::kUnsupportedEncoding,
+        topic + " has the unknown encoding " + quoted(message.encoding) + ". " + kKnownEncodings);
   }
 }
 
@@ -250,10 +250,9 @@ cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string&
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
-    throw InputError(
-        InputFault::kUnsupportedEncoding,
-        topic + " has the encoding " + quoted(message.encoding) +
-            ", expected 32FC1. Connect a topic of disparities or depth in m");
+    throw InputError(InputFault::kUnsupportedEncoding,
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", expected 32FC1. Connect a topic of disparities or depth in m");
   }
   checkImage(message, topic);
   if (message.is_bigendian != 0) {

@@ -30,7 +30,7 @@ namespace {
 
 constexpr const char* kTool = "cbmv_match";
 constexpr double kMostPxApart = 1.0;  // rows of a rectified pair are closer
-constexpr const char* kOutputs[] = {"disparity.pfm", "disparity.png", "confidence.pfm",
+constexpr const char* kOutputs[] = {"disparity.pfm",  "disparity.png", "confidence.pfm",
                                     "confidence.png", "depth.pfm",     "cloud.ply"};
 
 struct Arguments {
@@ -112,12 +112,12 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
 /// Depth of images that are not rectified is wrong, even where their rows are aligned afterwards.
 void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
   if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
-    std::fprintf(stderr,
-                 "%s: warning: the rows of %s and %s are %.2f px apart, expected at most %.2f px. "
-                 "They are corrected, but depth is probably wrong. Rectify the images, or calibrate "
-                 "the cameras again.\n",
-                 kTool, arguments.left.c_str(), arguments.right.c_str(), rows.rms_before_px,
-                 kMostPxApart);
+    std::fprintf(
+        stderr,
+        "%s: warning: the rows of %s and %s are %.2f px apart, expected at most %.2f px. "
+        "They are corrected, but depth is probably wrong. Rectify the images, or calibrate "
+        "the cameras again.\n",
+        kTool, arguments.left.c_str(), arguments.right.c_str(), rows.rms_before_px, kMostPxApart);
   }
 }
 

@@ -664,8 +664,8 @@ TEST_F(ConversionTest, WarningsOfTheCalibrationAreInTheSummary) {
 TEST_F(ConversionTest, RowsThatAreApartAreInTheSummary) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     const RenderedScene scene = renderScene(320, 240, 1);
-    const StereoPair pair{scene.left.rowRange(0, 230).clone(), scene.right.rowRange(3, 233).clone(),
-                          {}};
+    const StereoPair pair{
+        scene.left.rowRange(0, 230).clone(), scene.right.rowRange(3, 233).clone(), {}};
     writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100)));
   });
   options_.matching.stereo.range = {0, 48};

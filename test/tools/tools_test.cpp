@@ -304,9 +304,8 @@ TEST_F(ToolsTest, NoOutputIsAnInput) {
   expectRefusal(run("cbmv_eval", list + with_forest + " --json " + path("list.txt")), {lost});
   expectRefusal(run("cbmv_train", list + " --output " + path("list.txt")), {lost});
   expectRefusal(run("cbmv_tune", data + with_forest + " --output " + forest), {forest, lost});
-  expectRefusal(
-      run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
-      {preset, lost});
+  expectRefusal(run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
+                {preset, lost});
   std::filesystem::copy_file(path("left.png"), path("disparity.png"));
   expectRefusal(run("cbmv_match", path("disparity.png") + " " + path("right.png") + with_forest +
                                       " --output " + path("")),

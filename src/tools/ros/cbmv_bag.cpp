@@ -85,8 +85,8 @@ void reportPlan(const ConversionSummary& summary) {
 std::vector<std::string> inputFiles(const Arguments& arguments) {
   std::vector<std::string> files = arguments.conversion.inputs;
   const TopicChoice& topics = arguments.conversion.topics;
-  files.insert(files.end(), {forestFile(arguments.forest), topics.left_calibration,
-                             topics.right_calibration});
+  files.insert(files.end(),
+               {forestFile(arguments.forest), topics.left_calibration, topics.right_calibration});
   if (!arguments.stereo.preset.empty()) {
     files.push_back(presetFile(arguments.stereo.preset));
   }
