@@ -12,6 +12,7 @@
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/training/forest_training.h"
 #include "cbmv_stereo/training/held_out_measures.h"
@@ -41,7 +42,9 @@ int main(int argc, char** argv) {
     const auto progress = [&bar](const cbmv::TrainingStep& step) {
       bar.show(step.phase, step.done, step.total, step.line);
     };
-    const auto scenes = cbmv::chooseScenes(cbmv::openDataSets(data_sets), filter);
+    const auto opened = cbmv::openDataSets(data_sets);
+    cbmv::requireOtherFiles(cbmv::foldersOf(opened), {output, exported});
+    const auto scenes = cbmv::chooseScenes(opened, filter);
     const cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
     if (!exported.empty()) {
       cbmv::writeSamples(samples, exported);
