@@ -15,6 +15,7 @@ add_dependencies(cbmv_stereo_nodelets ${${PROJECT_NAME}_EXPORTED_TARGETS}
 add_executable(cbmv_stereo_node ${PROJECT_SOURCE_DIR}/src/ros/cbmv_stereo_node.cpp)
 target_include_directories(cbmv_stereo_node SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(cbmv_stereo_node PRIVATE ${catkin_LIBRARIES})
+target_compile_definitions(cbmv_stereo_node PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
 
 # Recordings, without a master: the library `cbmv_offline` of the program cbmv_bag.
 find_package(rosbag REQUIRED)

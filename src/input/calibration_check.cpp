@@ -105,28 +105,12 @@ class CameraChecker {
       warn(join("has no image size (", camera_.width, " x ", camera_.height,
                 "); the size of the image, ", sizeText(image_size_),
                 ", is taken. Set width and height of the calibration."));
-    } else if (describedSize(camera_) != image_size_) {
-      fail(InputFault::kCameraInfoSize, sizeMismatch());
+      return;
     }
-  }
-
-  std::string sizeMismatch() const {
-    const cv::Size size = describedSize(camera_);
-    const std::string image = image_name_ + " has " + sizeText(image_size_);
-    if (size == cv::Size(image_size_.height, image_size_.width)) {
-      return "describes images of " + sizeText(size) + ", " + image +
-             ": width and height are exchanged. Exchange them in the calibration.";
+    const std::string problem = sizeProblem(camera_, image_size_, image_name_);
+    if (!problem.empty()) {
+      fail(InputFault::kCameraInfoSize, problem);
     }
-    if (hasRoi(camera_)) {
-      return "describes images of " + sizeText(size) + " by its region of interest (roi) of " +
-             sizeText(camera_.roi.size()) + ", " + image +
-             ". Set the roi to the part of the sensor that the image shows, or to 0 for all.";
-    }
-    const bool binned = camera_.binning_x > 1 || camera_.binning_y > 1;
-    return "describes images of " + sizeText(size) +
-           (binned ? join(" (binning ", camera_.binning_x, " x ", camera_.binning_y, ")") : "") +
-           ", " + image +
-           ". Calibrate at this resolution, or set binning where the image is a reduced one.";
   }
 
   /// Whether P can be computed with.
@@ -180,18 +164,14 @@ class CameraChecker {
   }
 
   void checkRotation() {
-    if (isRotation(camera_.rectification)) {
+    const std::string problem = rotationProblem(camera_);
+    if (problem.empty()) {
       return;
     }
-    const auto& r = camera_.rectification;
-    const bool is_zero = std::all_of(r.begin(), r.end(), [](double value) { return value == 0; });
-    const std::string problem =
-        join("has R that is no rotation (", is_zero ? std::string("all zero") : join("R[0] = ", r[0]),
-             "). Expected an orthonormal matrix, the identity for a camera that is not turned. ");
     if (rectified_by_ == RectifiedBy::kUs) {
-      fail(InputFault::kUncalibrated, problem + "Calibrate the cameras, or set R.");
+      fail(InputFault::kUncalibrated, problem + " Calibrate the cameras, or set R.");
     } else {
-      warn(problem + "It is not used, since the images are taken as rectified. Set R.");
+      warn(problem + " It is not used, since the images are taken as rectified. Set R.");
     }
   }
 
@@ -278,10 +258,11 @@ class PairChecker {
       return false;
     }
     if (baseline_m < kShortestBaselineM || baseline_m > kLongestBaselineM) {
-      warn(join("have a baseline of ", baseline_m, " m (", entries,
-                "), expected 0.005 to 5 m. Two usual causes: lengths in mm, where P[3] needs m; or "
-                "P[3] = -baseline, where it has to be -fx * baseline. Depth is wrong by the same "
-                "factor."));
+      warn(join(
+          "have a baseline of ", baseline_m, " m (", entries,
+          "), expected 0.005 to 5 m. Two usual causes: lengths in mm or cm, where P[3] needs m; or "
+          "P[3] = -baseline, where it has to be -fx * baseline. Depth is wrong by the same "
+          "factor."));
     }
     return true;
   }
@@ -344,6 +325,40 @@ const StereoGeometry& requireUsable(const CalibrationCheck& check) {
     throw InputError(check.errors.front().fault, check.errors.front().text);
   }
   return check.geometry;
+}
+
+std::string sizeProblem(const CameraCalibration& camera, cv::Size image_size,
+                        const std::string& image_name) {
+  const cv::Size size = describedSize(camera);
+  if (hasUnknownSize(camera) || size == image_size) {
+    return {};
+  }
+  const std::string image = image_name + " has " + sizeText(image_size);
+  if (size == cv::Size(image_size.height, image_size.width)) {
+    return "describes images of " + sizeText(size) + ", " + image +
+           ": width and height are exchanged. Exchange them in the calibration.";
+  }
+  if (hasRoi(camera)) {
+    return "describes images of " + sizeText(size) + " by its region of interest (roi) of " +
+           sizeText(camera.roi.size()) + ", " + image +
+           ". Set the roi to the part of the sensor that the image shows, or to 0 for all.";
+  }
+  const bool binned = camera.binning_x > 1 || camera.binning_y > 1;
+  return "describes images of " + sizeText(size) +
+         (binned ? join(" (binning ", camera.binning_x, " x ", camera.binning_y, ")") : "") + ", " +
+         image + ". Calibrate at this resolution, or set binning where the image is a reduced one.";
+}
+
+std::string rotationProblem(const CameraCalibration& camera) {
+  const auto& r = camera.rectification;
+  if (isRotation(r)) {
+    return {};
+  }
+  const bool is_zero = std::all_of(r.begin(), r.end(), [](double value) { return value == 0; });
+  const std::string rows = join(r[0], ", ", r[1], ", ", r[2], "; ", r[3], ", ", r[4], ", ", r[5],
+                                "; ", r[6], ", ", r[7], ", ", r[8]);
+  return "has R that is no rotation (" + (is_zero ? "all zero" : rows) +
+         "). Expected an orthonormal matrix, the identity for a camera that is not turned.";
 }
 
 bool hasNoCoefficients(const CameraCalibration& camera) {

@@ -24,9 +24,12 @@ cv::Mat readVisible(const fs::path& file, const cv::Mat& truth, const fs::path& 
 /// disp0GT.pfm of the evaluation's folders, disp0.pfm of the data sets of 2014; the former where
 /// there is neither.
 fs::path truthFile(const fs::path& folder) {
-  const fs::path of_evaluation = folder / "disp0GT.pfm";
-  const fs::path of_data_set = folder / "disp0.pfm";
-  return !fs::exists(of_evaluation) && fs::exists(of_data_set) ? of_data_set : of_evaluation;
+  for (const char* name : {"disp0GT.pfm", "disp0.pfm", "disp0GT.PFM", "disp0.PFM"}) {
+    if (fs::exists(folder / name)) {
+      return folder / name;
+    }
+  }
+  return folder / "disp0GT.pfm";
 }
 
 }  // namespace

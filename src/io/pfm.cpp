@@ -1,6 +1,7 @@
 #include "cbmv_stereo/io/pfm.h"
 
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -60,13 +61,14 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   return {static_cast<int>(width), static_cast<int>(height), scale < 0.0};
 }
 
-/// Leaves `in` at the first value: one white-space character ends the header, or, in files of
-/// Windows, two; as the first value may begin with a line feed, the size of the file decides.
+/// Leaves `in` at the first value: one white-space character ends the header, or more, as of
+/// Windows or with blanks before; as the first values may look like these, the size of the file
+/// decides.
 void skipHeaderEnd(std::ifstream& in, const std::string& path, std::uintmax_t bytes_of_values) {
-  const bool carriage_return = in.get() == '\r';
-  const auto header_bytes = static_cast<std::uintmax_t>(in.tellg());
-  if (carriage_return && in.peek() == '\n' &&
-      std::filesystem::file_size(path) == header_bytes + 1 + bytes_of_values) {
+  const std::uintmax_t file_bytes = std::filesystem::file_size(path);
+  const auto behind = [&in] { return static_cast<std::uintmax_t>(in.tellg()); };
+  in.get();
+  while (behind() + bytes_of_values < file_bytes && std::isspace(in.peek()) != 0) {
     in.get();
   }
 }

@@ -44,7 +44,8 @@ rosbag::CompressionType compressionOf(const std::string& name) {
   if (name == "bz2") {
     return rosbag::compression::BZ2;
   }
-  throw Error("the compression '" + name + "' is unknown; none, lz4 or bz2 would be right");
+  throw Error("the compression '" + name +
+              "' is unknown, expected none, lz4 or bz2. Choose one of them");
 }
 
 BagWriter::BagWriter(std::string path, rosbag::CompressionType compression)

@@ -12,9 +12,9 @@
 #include "offline/double_rectification.h"
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
-#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 
 namespace cbmv {
@@ -209,6 +209,13 @@ void makeFiles(const FramePlan& plan, FrameFiles& files, PipelineParts& parts) {
   };
 }
 
+std::string rowsWarning(const CameraTopics& topics, const PlannedFrame& first,
+                        const StereoOptions& options) {
+  const std::string rectified_twice =
+      topics.left.raw ? doubleRectificationWarning(topics, first, options) : std::string();
+  return rectified_twice.empty() ? misalignedRowsWarning(topics, first, options) : rectified_twice;
+}
+
 /// What is to be done, nothing of which is done yet.
 ConversionSummary planConversion(const ConversionOptions& options, const BagSet& bags) {
   ConversionSummary summary;
@@ -222,9 +229,9 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
     summary.problems.push_back(problems.nothing_to_process);
   }
   summary.warnings = problems.others;
-  if (summary.plan.topics.left.raw && !summary.plan.frames.empty()) {
-    const std::string warning = doubleRectificationWarning(
-        summary.plan.topics, summary.plan.frames.front(), options.matching.stereo);
+  if (!summary.plan.frames.empty()) {
+    const std::string warning =
+        rowsWarning(summary.plan.topics, summary.plan.frames.front(), options.matching.stereo);
     if (!warning.empty()) {
       summary.warnings.push_back(warning);
     }

@@ -39,19 +39,44 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
     const VerticalOffsetMeasurement before = measure(as_they_are, frame, options);
     const VerticalOffsetMeasurement after = measure(topics, frame, options);
     const bool is_known = after.model.matches > 0;
-    if (before.model.matches == 0 || before.rms_before_px > kRectifiedPx ||
-        (is_known && after.rms_before_px <
-                         std::max(kNoticeablePx, kClearlyWorse * before.rms_before_px))) {
+    if (before.model.matches == 0 ||
+        (is_known &&
+         after.rms_before_px < std::max(kNoticeablePx, kClearlyWorse * before.rms_before_px))) {
       return {};
     }
+    const char* const cause =
+        before.rms_before_px > kRectifiedPx
+            ? "The calibration does not fit the images: R is of the other camera, inverted or of "
+              "another rig. Correct it, or calibrate the cameras."
+            : "The images are probably rectified already; use --rectified yes.";
     std::array<char, 64> apart{};
     std::snprintf(apart.data(), apart.size(), is_known ? "%.2f px apart" : "too far apart to measure",
                   after.rms_before_px);
     std::array<char, 400> text{};
     std::snprintf(text.data(), text.size(),
-                  ": the rows of the pair are %s after rectification, %.2f px before. The images are "
-                  "probably rectified already; use --rectified yes.",
-                  apart.data(), before.rms_before_px);
+                  ": the rows of the pair are %s after rectification, %.2f px before. %s",
+                  apart.data(), before.rms_before_px, cause);
+    return topics.left.name + " and " + topics.right.name + text.data();
+  } catch (const InputError&) {
+    return {};  // it is said of the frame itself
+  }
+}
+
+std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
+                                  const StereoOptions& options) {
+  try {
+    const VerticalOffsetMeasurement rows = measure(topics, frame, options);
+    if (rows.model.matches == 0 || rows.rms_before_px <= kRectifiedPx) {
+      return {};
+    }
+    std::array<char, 300> text{};
+    std::snprintf(text.data(), text.size(),
+                  ": the rows of the pair are %.2f px apart, expected at most %.2f px. They are "
+                  "corrected, but depth is probably wrong. %s",
+                  rows.rms_before_px, kRectifiedPx,
+                  topics.left.raw
+                      ? "Calibrate the cameras."
+                      : "Use --rectified no for raw images, else calibrate the cameras.");
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
     return {};  // it is said of the frame itself

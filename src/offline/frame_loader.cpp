@@ -47,12 +47,11 @@ std::string encodingOf(const cv::Mat& image, const std::string& format) {
   return deep ? encodings::BGRA16 : encodings::BGRA8;
 }
 
-void requireSize(const cv::Size& size, const cv::Size& described, const std::string& topic,
+void requireSize(const CameraCalibration& camera, cv::Size size, const std::string& topic,
                  const std::string& info_name) {
-  if (size != described) {
-    throw InputError(InputFault::kCameraInfoSize, topic + " has " + sizeText(size) + ", " +
-                                                      info_name + " describes images of " +
-                                                      sizeText(described));
+  const std::string problem = sizeProblem(camera, size, topic);
+  if (!problem.empty()) {
+    throw InputError(InputFault::kCameraInfoSize, info_name + " " + problem);
   }
 }
 
@@ -72,13 +71,16 @@ void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names
   }
 }
 
-/// Coefficients of each model.
 struct DistortionModel {
   const char* name;
-  std::size_t coefficients;
+  std::size_t coefficients;             ///< that it has
+  std::array<std::size_t, 5> accepted;  ///< by OpenCV
+  const char* counts;                   ///< the same as a text
 };
 constexpr std::array<DistortionModel, 3> kDistortionModels = {
-    {{"plumb_bob", 5}, {"rational_polynomial", 8}, {"equidistant", 4}}};
+    {{"plumb_bob", 5, {4, 5, 8, 12, 14}, "4, 5, 8, 12 or 14"},
+     {"rational_polynomial", 8, {4, 5, 8, 12, 14}, "4, 5, 8, 12 or 14"},
+     {"equidistant", 4, {4}, "4"}}};
 
 const DistortionModel& findModel(const CameraCalibration& camera, const std::string& names) {
   if (camera.distortion_model.empty() && hasNoCoefficients(camera)) {
@@ -92,6 +94,18 @@ const DistortionModel& findModel(const CameraCalibration& camera, const std::str
   failCalibration(names, "has the unknown distortion model " + quoted(camera.distortion_model) +
                              ". Expected plumb_bob, rational_polynomial or equidistant. Name the "
                              "model of these that the coefficients D are of.");
+}
+
+void requireCoefficients(const CameraCalibration& camera, const DistortionModel& model,
+                         const std::string& names) {
+  const std::size_t count = camera.distortion.size();
+  const auto& accepted = model.accepted;
+  if (std::find(accepted.begin(), accepted.end(), count) == accepted.end()) {
+    failCalibration(names, "has " + std::to_string(count) +
+                               " distortion coefficients D of the model " + model.name +
+                               ", expected " + model.counts +
+                               ". Correct D, or name the model that it is of.");
+  }
 }
 
 /// An image without a single gray value would come of what is not finite.
@@ -128,16 +142,17 @@ sensor_msgs::CameraInfo completed(sensor_msgs::CameraInfo info, const std::strin
                                   cv::Size raw) {
   const CameraCalibration camera = toCameraCalibration(info);
   requireUsableNumbers(camera, names);
-  if (!isRotation(camera.rectification)) {
-    failCalibration(names, "has R that is no rotation. Expected an orthonormal matrix, the "
-                           "identity for a camera that is not turned. Calibrate the cameras, or "
-                           "set R.");
+  const std::string rotation = rotationProblem(camera);
+  if (!rotation.empty()) {
+    failCalibration(names, rotation + " Calibrate the cameras, or set R.");
   }
   const DistortionModel& model = findModel(camera, names);
   info.distortion_model = model.name;
   if (hasNoCoefficients(camera)) {
     info.D.assign(model.coefficients, 0.0);
     info.D[0] = 1e-300;  // image_geometry does not rectify where all are zero
+  } else {
+    requireCoefficients(camera, model, names);
   }
   if (info.width == 0 && info.height == 0) {
     info.width = sensorSide(info.roi.x_offset, info.roi.width, raw.width, camera.binning_x);
@@ -155,9 +170,9 @@ RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& top
   const sensor_msgs::CameraInfo calibration = completed(info, names, raw);
   requireSensor(calibration, names);
   try {
+    camera_ = toCameraCalibration(calibration);
+    requireSize(camera_, raw, topic, info_name_);  // before maps take memory
     model_.fromCameraInfo(calibration);
-    size_ = model_.reducedResolution();
-    requireSize(raw, size_, topic, info_name_);  // before maps take memory
     is_identity_ = isIdentity(toCameraCalibration(info));
     if (!is_identity_) {
       // The first image, of any size, makes the maps; from then on the model is only read.
@@ -172,7 +187,7 @@ RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& top
 }
 
 cv::Mat RawCamera::rectify(const cv::Mat& image, const std::string& topic) const {
-  requireSize(image.size(), size_, topic, info_name_);
+  requireSize(camera_, image.size(), topic, info_name_);
   if (is_identity_) {
     return image;
   }
@@ -200,8 +215,8 @@ sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& messag
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has an image of the format '" + message.format +
-                         "' that cannot be decoded; JPEG or PNG of at most " +
-                         std::to_string(kMaxImagePixels) + " pixels would be right");
+                         "' that cannot be decoded, expected JPEG or PNG of at most " +
+                         std::to_string(kMaxImagePixels) + " pixels. Record it anew");
   }
   return boost::make_shared<sensor_msgs::Image>(
       toMessage(image, encodingOf(image, message.format), message.header));

@@ -41,7 +41,7 @@ class RawCamera {
  private:
   std::string info_name_;
   bool is_identity_ = false;  ///< the images are rectified as they are
-  cv::Size size_;
+  CameraCalibration camera_;
   image_geometry::PinholeCameraModel model_;
 };
 

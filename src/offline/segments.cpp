@@ -109,7 +109,8 @@ Segments::Segments(std::string output, const std::string& origin, EarlierParts e
     return;
   }
   if (fs::exists(output_) && !overwrite) {
-    throw Error(output_ + " exists; another name for the output, or --overwrite, would be right");
+    throw Error(output_ +
+                " exists. Choose another name for the output, or use --overwrite to replace it");
   }
   if (!fs::is_directory(fs::absolute(output_).parent_path())) {
     throw Error("cannot write " + output_ + ": its folder does not exist");

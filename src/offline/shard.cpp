@@ -11,10 +11,10 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
-#include "offline/other_file.h"
 #include "offline/segments.h"
 
 #include "cbmv_stereo/error.h"
+#include "cbmv_stereo/io/other_file.h"
 
 namespace cbmv {
 namespace {
@@ -75,12 +75,13 @@ void requireSameOrigin(const std::vector<LabelledShard>& shards) {
   for (const LabelledShard& other : shards) {
     if (other.label.origin != first.label.origin) {
       throw Error(first.path + " and " + other.path +
-                  " are of different recordings or settings; shards of one run would be right");
+                  " are of different recordings or settings, expected shards of one run. Give "
+                  "those of one run");
     }
     if (other.label.shard.count != first.label.shard.count) {
       throw Error(first.path + " is " + describeShard(first.label.shard) + " and " + other.path +
                   " is " + describeShard(other.label.shard) +
-                  ", so they overlap; shards of one number would be right");
+                  ", so they overlap, expected shards of one number. Give those of one run");
     }
   }
 }
@@ -91,7 +92,8 @@ void requireEachOnce(const std::vector<LabelledShard>& shards) {
     const std::size_t number = i < shards.size() ? shards[i].label.shard.number : count + 1;
     if (i > 0 && number == shards[i - 1].label.shard.number) {
       throw Error(shards[i - 1].path + " and " + shards[i].path + " are both " +
-                  describeShard(shards[i].label.shard) + "; one of them would be right");
+                  describeShard(shards[i].label.shard) +
+                  ", expected each shard once. Leave out one of them");
     }
     const std::size_t expected = i > 0 ? shards[i - 1].label.shard.number + 1 : 1;
     if (number != expected) {
@@ -179,7 +181,7 @@ MergeSummary mergeShards(const MergeOptions& options) {
   }
   if (fs::exists(options.output) && !options.overwrite) {
     throw Error(options.output +
-                " exists; another name for the output, or --overwrite, would be right");
+                " exists. Choose another name for the output, or use --overwrite to replace it");
   }
   const std::vector<LabelledShard> shards = readLabels(options.shards);
   requireSameOrigin(shards);

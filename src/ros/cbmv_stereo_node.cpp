@@ -1,11 +1,16 @@
 // The nodelet cbmv_stereo/stereo in a process of its own.
 
 #include <iostream>
+#include <string>
 
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::string(argv[1]) == "--version") {
+    std::cout << "cbmv_stereo_node " CBMV_VERSION "\n";
+    return 0;
+  }
   ros::init(argc, argv, "cbmv_stereo");
   nodelet::Loader loader(false);
   if (!loader.load(ros::this_node::getName(), "cbmv_stereo/stereo", ros::names::getRemappings(),

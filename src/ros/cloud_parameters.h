@@ -16,8 +16,8 @@ inline CloudOptions readCloudOptions(const PrivateParameters& parameters) {
   options.compact = parameters.get<bool>("points_compact");
   if (options.max_depth_m != 0 && options.max_depth_m <= options.min_depth_m) {
     throw Error(parameters.nodeHandle().resolveName("points_max_depth_m") +
-                " is not more than points_min_depth_m, so no point would be left; a larger one, or "
-                "0 for no limit, would be right");
+                " is not more than points_min_depth_m, so no point would be left, expected a "
+                "larger one. Raise it, or set 0 for no limit");
   }
   return options;
 }

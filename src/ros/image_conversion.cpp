@@ -20,6 +20,10 @@ namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
+const std::string kKnownEncodings =
+    "Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. Set the encoding in the "
+    "driver.";
+
 /// Order of the bytes of YUV 4:2:2.
 enum class Yuv { kUyvy, kYuyv };
 
@@ -48,10 +52,9 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
     return static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8 *
            static_cast<std::size_t>(encodings::numChannels(message.encoding));
   } catch (const std::runtime_error&) {
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the unknown encoding " + quoted(message.encoding) +
-                         ". Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. "
-                         "Set the encoding in the driver.");
+    throw InputError(
+        InputFault::kUnsupportedEncoding,
+        topic + " has the unknown encoding " + quoted(message.encoding) + ". " + kKnownEncodings);
   }
 }
 
@@ -146,8 +149,8 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
                      both + " differ in frame_id (" + quoted(left) + " and " + quoted(right) +
-                         "); equal ones would be right, or true for the parameter "
-                         "allow_different_frame_ids");
+                         "), expected equal ones. Correct them in the driver, or set the parameter "
+                         "allow_different_frame_ids to true");
   }
 }
 
@@ -177,10 +180,14 @@ cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<c
   checkImage(message, topic);
   try {
     return decodeChecked(message, owner, color);
-  } catch (const std::exception& error) {  // cv_bridge's own and OpenCV's
+  } catch (const cv_bridge::Exception&) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has the encoding " + quoted(message.encoding) +
-                         ", which cannot be converted to " + (color ? "color" : "gray") + ": " +
+                         ", which is not one of camera images. " + kKnownEncodings);
+  } catch (const std::exception& error) {  // OpenCV's own
+    throw InputError(InputFault::kUnsupportedEncoding,
+                     topic + " of the encoding " + quoted(message.encoding) +
+                         " cannot be converted to " + (color ? "color" : "gray") + ": " +
                          error.what());
   }
 }
@@ -243,9 +250,9 @@ cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string&
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
-    throw InputError(
-        InputFault::kUnsupportedEncoding,
-        topic + " has the encoding " + quoted(message.encoding) + "; 32FC1 would be right");
+    throw InputError(InputFault::kUnsupportedEncoding,
+                     topic + " has the encoding " + quoted(message.encoding) +
+                         ", expected 32FC1. Connect a topic of disparities or depth in m");
   }
   checkImage(message, topic);
   if (message.is_bigendian != 0) {

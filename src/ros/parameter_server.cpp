@@ -99,7 +99,7 @@ void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config
 
 float minConfidence(const cbmv_stereo::StereoConfig& config) {
   if (std::isnan(config.min_confidence)) {
-    throw Error("min_confidence is not a number; one from 0 to 1 would be right");
+    throw Error("min_confidence is not a number, expected one from 0 to 1. Set it again");
   }
   return static_cast<float>(config.min_confidence);
 }

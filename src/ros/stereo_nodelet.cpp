@@ -89,7 +89,8 @@ std::shared_ptr<const Forest> StereoNodelet::loadForest(const PrivateParameters&
   const auto path = parameters.get<std::string>("forest");
   if (path.empty()) {
     throw Error("the parameter " + getPrivateNodeHandle().resolveName("forest") +
-                " is not set; the path of a forest file would be right");
+                " is not set, expected the path of a forest file. Set it, for example to "
+                "models/middlebury_small.forest of this package");
   }
   auto forest = std::make_shared<const Forest>(readForest(path));
   forest_name_ = forest->name;

@@ -25,6 +25,7 @@
 #include "cbmv_stereo/evaluation/pictures.h"
 #include "cbmv_stereo/evaluation/submission.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/cross_validation.h"
@@ -207,6 +208,17 @@ void requireWritableOutputs(const Arguments& arguments) {
   }
 }
 
+/// No output may replace a forest, a preset, a list of pairs or maps that are measured.
+void requireOtherOutputs(const Arguments& arguments, const cbmv::DataSet& data_set) {
+  std::vector<std::string> inputs = arguments.presets;
+  inputs.push_back(data_set.folder());
+  if (!arguments.forest.empty()) {
+    inputs.push_back(cbmv::forestFile(arguments.forest));
+  }
+  cbmv::requireOtherFiles(inputs, {arguments.json, arguments.csv, arguments.markdown});
+  cbmv::requireOtherFiles({arguments.disparities}, {arguments.maps});
+}
+
 /// What the options imply of each other.
 void complete(Arguments& arguments) {
   for (std::string& preset : arguments.presets) {
@@ -278,6 +290,7 @@ void evaluate(Arguments arguments) {
   const cbmv::DataSet data_set = cbmv::DataSet::open(
       arguments.data_set,
       arguments.submission.empty() ? cbmv::Truth::kRequired : cbmv::Truth::kOptional);
+  requireOtherOutputs(arguments, data_set);
   Submission submission;
   if (!arguments.submission.empty()) {
     submission.emplace(data_set, arguments.submission);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -16,6 +17,7 @@
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/io/preview.h"
@@ -27,11 +29,25 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kTool = "cbmv_match";
+constexpr double kMostPxApart = 1.0;  // rows of a rectified pair are closer
+constexpr const char* kOutputs[] = {"disparity.pfm",  "disparity.png", "confidence.pfm",
+                                    "confidence.png", "depth.pfm",     "cloud.ply"};
 
 struct Arguments {
   StereoArguments stereo;
   std::string left, right, forest, calibration, right_calibration, output;
 };
+
+/// The images may lie in the folder that is written to.
+void requireOtherOutputs(const Arguments& arguments) {
+  const std::vector<std::string> inputs = {arguments.left, arguments.right, arguments.calibration,
+                                           arguments.right_calibration};
+  std::vector<std::string> outputs;
+  for (const char* name : kOutputs) {
+    outputs.push_back(arguments.output + "/" + name);
+  }
+  requireOtherFiles(inputs, outputs);
+}
 
 std::optional<StereoCameraFile> readCalibration(const Arguments& arguments) {
   return arguments.calibration.empty()
@@ -93,8 +109,21 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
   writePly(folder + "cloud.ply", toPoints(valid, toColor8(left), frame.geometry));
 }
 
+/// Depth of images that are not rectified is wrong, even where their rows are aligned afterwards.
+void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
+  if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
+    std::fprintf(
+        stderr,
+        "%s: warning: the rows of %s and %s are %.2f px apart, expected at most %.2f px. "
+        "They are corrected, but depth is probably wrong. Rectify the images, or calibrate "
+        "the cameras again.\n",
+        kTool, arguments.left.c_str(), arguments.right.c_str(), rows.rms_before_px, kMostPxApart);
+  }
+}
+
 void match(const Arguments& arguments) {
   requireWritableFolder(arguments.output);
+  requireOtherOutputs(arguments);
   const auto calibration = readCalibration(arguments);
   const StereoInput input = readInput(arguments, calibration);
   const StereoOptions options = readOptions(arguments, calibration, input.left.cols);
@@ -103,6 +132,7 @@ void match(const Arguments& arguments) {
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
   }
+  warnOfMisalignedRows(arguments, processor.measureOffset(pair));
   std::fputs(describeOptions(options).c_str(), stdout);
 
   OwnOffset offset;

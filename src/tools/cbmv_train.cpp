@@ -13,6 +13,7 @@
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/forest_training.h"
@@ -54,7 +55,9 @@ int main(int argc, char** argv) {
     const auto progress = [&bar](const cbmv::TrainingStep& step) {
       bar.show(step.phase, step.done, step.total, step.line);
     };
-    const auto scenes = cbmv::chooseScenes(cbmv::openDataSets(data_sets), filter);
+    const auto opened = cbmv::openDataSets(data_sets);
+    cbmv::requireOtherFiles(cbmv::foldersOf(opened), {output, exported});
+    const auto scenes = cbmv::chooseScenes(opened, filter);
     const cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
     if (!exported.empty()) {
       cbmv::writeSamples(samples, exported);

@@ -1,5 +1,6 @@
 // Searches the parameters of optimization and refinement on pairs with ground truth.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "run_tool.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/training/cross_validation.h"
@@ -31,11 +33,11 @@ struct Arguments {
 };
 
 std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
-    const std::vector<std::string>& paths) {
+    const std::vector<std::string>& files) {
   std::vector<std::shared_ptr<const cbmv::Forest>> forests;
-  forests.reserve(paths.size());
-  for (const std::string& path : paths) {
-    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(cbmv::forestFile(path))));
+  forests.reserve(files.size());
+  for (const std::string& file : files) {
+    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(file)));
   }
   return forests;
 }
@@ -43,12 +45,17 @@ std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
 void tune(Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   if (!arguments.start.empty()) {
-    const std::string start = cbmv::presetFile(arguments.start);
-    cbmv::readPreset(start, request.start);
-    request.start_name = std::filesystem::path(start).filename().string();
+    arguments.start = cbmv::presetFile(arguments.start);
+    cbmv::readPreset(arguments.start, request.start);
+    request.start_name = std::filesystem::path(arguments.start).filename().string();
   }
   cbmv::requireWritableFile(arguments.output);
+  std::transform(arguments.forests.begin(), arguments.forests.end(), arguments.forests.begin(),
+                 cbmv::forestFile);
   const std::vector<cbmv::DataSet> data_sets = cbmv::openDataSets(arguments.data_sets);
+  cbmv::requireOtherFiles(arguments.forests, {arguments.output});
+  cbmv::requireOtherFiles(cbmv::foldersOf(data_sets), {arguments.output});
+  cbmv::requireOtherFiles({arguments.start}, {arguments.output});
   request.scenes = cbmv::chooseScenes(data_sets, arguments.filter);
   request.search.seed = arguments.training.seed;
   arguments.training.rectification = request.start.rectification;

@@ -34,6 +34,15 @@ inline std::vector<DataSet> openDataSets(const std::vector<std::string>& names) 
   return data_sets;
 }
 
+/// Or the lists.
+inline std::vector<std::string> foldersOf(const std::vector<DataSet>& data_sets) {
+  std::vector<std::string> folders;
+  for (const DataSet& data_set : data_sets) {
+    folders.push_back(data_set.folder());
+  }
+  return folders;
+}
+
 inline void addSceneOptions(CLI::App& app, SceneFilter& filter) {
   app.add_option("--scenes", filter.only, "Only these scenes, separated by commas")->delimiter(',');
   app.add_option("--exclude", filter.excluded, "All but these scenes, separated by commas")

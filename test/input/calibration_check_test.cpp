@@ -195,7 +195,8 @@ TEST(CalibrationCheck, FindsRotationsThatAreNone) {
               RectifiedBy::kUs);
   expectWarning({"/left/info", "R that is no rotation (all zero)", "not used"}, zero);
   const Change mirrored = [](auto& cameras) { cameras.right.rectification[8] = -1; };
-  expectError(InputFault::kUncalibrated, {"/right/info", "R that is no rotation"}, mirrored,
+  expectError(InputFault::kUncalibrated,
+              {"/right/info", "R that is no rotation (1, 0, 0; 0, 1, 0; 0, 0, -1)"}, mirrored,
               RectifiedBy::kUs);
   EXPECT_TRUE(isRotation(turned(0.3)));
   EXPECT_FALSE(isRotation({1, 0, 0, 0, kNan, 0, 0, 0, 1}));

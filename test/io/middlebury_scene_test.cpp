@@ -42,6 +42,11 @@ class MiddleburyScene : public testing::Test {
   const std::string scene_ = folder_.file("Scene");
 };
 
+TEST_F(MiddleburyScene, ReadsNamesInCapitalLetters) {
+  std::filesystem::rename(scene_ + "/disp0GT.pfm", scene_ + "/disp0GT.PFM");
+  EXPECT_EQ(readMiddleburyScene(scene_, 0, true).truth.at<float>(1, 1), 1.0F);
+}
+
 /// im0.png, im1.png, disp0.pfm and calib.txt, which has more keys.
 TEST_F(MiddleburyScene, ReadsTheDataSetsOf2014AsTheyAreDownloaded) {
   namespace fs = std::filesystem;

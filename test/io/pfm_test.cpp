@@ -48,11 +48,11 @@ TEST(Pfm, ReadsBothByteOrdersFromTheBottomUp) {
   }
 }
 
-TEST(Pfm, HeadersMayHaveCommentsAndLineEndsOfWindows) {
+TEST(Pfm, HeadersMayHaveCommentsBlanksAndLineEndsOfWindows) {
   const TemporaryFolder folder;
-  for (const char* header :
-       {"Pf\r\n3 2\r\n-1.0\r\n", "Pf\n# by a program\n# 9 9\n3 2\n-1\n",
-        "Pf # map\r\n3 # columns\r\n2\r\n# scale\r\n-1\r\n", "Pf\r3 2\r-1\r"}) {
+  for (const char* header : {"Pf\r\n3 2\r\n-1.0\r\n", "Pf\n# by a program\n# 9 9\n3 2\n-1\n",
+                             "Pf # map\r\n3 # columns\r\n2\r\n# scale\r\n-1\r\n", "Pf\r3 2\r-1\r",
+                             "Pf \n3 2 \n-1.0 \n", "Pf\n3 2\n-1.0 \r\n"}) {
     const cv::Mat map = readPfm(folder.write("a.pfm", header + littleEndianValues()));
     ASSERT_EQ(map.size(), cv::Size(3, 2));
     EXPECT_EQ(map.at<float>(1, 0), 1) << header;
@@ -64,7 +64,7 @@ TEST(Pfm, HeadersMayHaveCommentsAndLineEndsOfWindows) {
 TEST(Pfm, TheSizeTellsWhereTheHeaderEnds) {
   const TemporaryFolder folder;
   const std::string value("\n\x00\x80\x3f", 4);
-  for (const char* end : {"\r", "\r\n", "\n"}) {
+  for (const char* end : {"\r", "\r\n", "\n", " \n"}) {
     const cv::Mat map = readPfm(folder.write("a.pfm", std::string("Pf\n1 1\n-1") + end + value));
     EXPECT_EQ(std::memcmp(map.data, value.data(), 4), 0);
   }

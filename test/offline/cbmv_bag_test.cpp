@@ -297,6 +297,15 @@ TEST_F(CbmvBagTest, KeepsTheRecordingThatIsNamedAsOutput) {
   EXPECT_EQ(contentOf(folder_.file("in.bag")), content);
 }
 
+TEST_F(CbmvBagTest, KeepsTheForestThatIsNamedAsOutput) {
+  writeRecording(folder_.file("in.bag"), 1);
+  const std::string forest = folder_.file("fixture.forest");
+  const std::string content = contentOf(forest);
+  expectRefusal(run("fixture.forest", "--overwrite"), {"is the input", forest});
+  expectRefusal(run("out.bag", "--json " + forest), {"is the input", forest});
+  EXPECT_EQ(contentOf(forest), content);
+}
+
 TEST_F(CbmvBagTest, SummaryIsNotWrittenOverTheOutput) {
   writeRecording(folder_.file("in.bag"), 1);
   expectRefusal(run("out.bag", "--json " + folder_.file("./out.bag")), {"--json and --output"});

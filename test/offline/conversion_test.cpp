@@ -661,6 +661,18 @@ TEST_F(ConversionTest, WarningsOfTheCalibrationAreInTheSummary) {
   EXPECT_TRUE(mentions(summaryJson(summary), {"\"warnings\"", "baseline of 250 m"}));
 }
 
+TEST_F(ConversionTest, RowsThatAreApartAreInTheSummary) {
+  writeRecording(input_, 0, [](rosbag::Bag& bag) {
+    const RenderedScene scene = renderScene(320, 240, 1);
+    const StereoPair pair{
+        scene.left.rowRange(0, 230).clone(), scene.right.rowRange(3, 233).clone(), {}};
+    writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100)));
+  });
+  options_.matching.stereo.range = {0, 48};
+  EXPECT_TRUE(mentions(describeSummary(convert(options_)),
+                       {"warning", "px apart, expected at most 1.00 px", "--rectified no"}));
+}
+
 TEST_F(ConversionTest, AnOutputThatIsAnInputIsRejected) {
   writeRecording(input_, 1);
   const std::string content = contentOf(input_);

@@ -1,5 +1,7 @@
 #include "offline/double_rectification.h"
 
+#include <optional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,6 +38,19 @@ class DoubleRectification : public testing::Test {
  protected:
   /// Of a recording of the pair as raw images.
   std::string warning(const PairMessages& messages) {
+    const FramePlan plan = planOf(messages, {});
+    return doubleRectificationWarning(plan.topics, plan.frames.at(0), options_);
+  }
+  /// Of a recording of the pair as rectified images.
+  std::string misaligned(const PairMessages& messages) {
+    TopicChoice as_they_are;
+    as_they_are.rectified = Rectified::kYes;
+    const FramePlan plan = planOf(messages, as_they_are);
+    return misalignedRowsWarning(plan.topics, plan.frames.at(0), options_);
+  }
+
+ private:
+  FramePlan planOf(const PairMessages& messages, const TopicChoice& choice) {
     rosbag::Bag bag(input_, rosbag::bagmode::Write);
     for (const bool right : {false, true}) {
       const std::string camera = right ? "/right" : "/left";
@@ -45,15 +60,15 @@ class DoubleRectification : public testing::Test {
                 right ? messages.right_info : messages.left_info);
     }
     bag.close();
-    const BagSet bags({input_});
-    const FramePlan plan = planFrames(bags, findCameraTopics(bags, {}), {});
-    StereoOptions options;
-    options.range = {0, 48};
-    return doubleRectificationWarning(plan.topics, plan.frames.at(0), options);
+    bags_.emplace(std::vector<std::string>{input_});
+    options_.range = {0, 48};
+    return planFrames(*bags_, findCameraTopics(*bags_, choice), {});
   }
 
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");
+  StereoOptions options_;
+  std::optional<BagSet> bags_;  ///< planned frames are read from it
 };
 
 /// Weak lenses leave rows of raw images nearly aligned.
@@ -72,6 +87,33 @@ TEST_F(DoubleRectification, IsSuspectedWhereRowsAreWorseAfterwards) {
     weakened(kRightLens, share).describe(*messages.right_info);
     EXPECT_THAT(warning(messages), HasSubstr("use --rectified yes")) << share;
   }
+}
+
+TEST_F(DoubleRectification, IsNotTakenForACalibrationThatDoesNotFit) {
+  PairMessages messages = rectifiedPair();
+  Lens left = weakened(kLeftLens, 0);
+  Lens right = weakened(kRightLens, 0);
+  left.rotation = {0.006, 0, 0};
+  right.rotation = {-0.006, 0, 0};
+  makeRaw(left, right, messages);
+  left.rotation *= -1;
+  right.rotation *= -1;
+  left.describe(*messages.left_info);
+  right.describe(*messages.right_info);
+  EXPECT_THAT(warning(messages), HasSubstr("The calibration does not fit the images"));
+}
+
+/// Raw images whose topics are named as those of rectified ones.
+TEST_F(DoubleRectification, RowsOfRawImagesTakenAsRectifiedAreWarnedOf) {
+  PairMessages messages = rectifiedPair();
+  EXPECT_THAT(misaligned(messages), IsEmpty());
+  Lens left = weakened(kLeftLens, 0);
+  Lens right = weakened(kRightLens, 0);
+  left.rotation = {0.006, 0, 0};
+  right.rotation = {-0.006, 0, 0};
+  makeRaw(left, right, messages);
+  EXPECT_THAT(misaligned(messages), HasSubstr("px apart, expected at most 1.00 px"));
+  EXPECT_THAT(misaligned(messages), HasSubstr("Use --rectified no"));
 }
 
 }  // namespace

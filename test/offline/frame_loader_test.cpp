@@ -85,7 +85,15 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
   EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }), HasSubstr("no usable calibration (K[0] = 0)"));
   EXPECT_THAT(changed([](Info& info) { info.width = info.height = 4000000000U; }),
               HasSubstr("/left is raw, but its camera_info describes a sensor of 4000000000x"));
-  EXPECT_THAT(changed([](Info& info) { info.width += 1; }), HasSubstr("/left has"));
+  EXPECT_THAT(changed([](Info& info) { info.width += 1; }),
+              HasSubstr("its camera_info describes images of"));
+  EXPECT_THAT(changed([](Info& info) { std::swap(info.width, info.height); }),
+              HasSubstr("width and height are exchanged"));
+  EXPECT_THAT(changed([](Info& info) {
+                info.roi.width = info.width - 1;
+                info.roi.height = info.height;
+              }),
+              HasSubstr("region of interest (roi)"));
   // The image is a window of 16x12 of a sensor whose maps would take gigabytes.
   EXPECT_THAT(changed([](Info& info) {
                 info.roi.width = info.width;
@@ -100,7 +108,8 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
                         "equidistant"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = ""; }),
               HasSubstr("unknown distortion model ''"));
-  EXPECT_THAT(changed([](Info& info) { info.R.assign(0); }), HasSubstr("R that is no rotation"));
+  EXPECT_THAT(changed([](Info& info) { info.R.assign(0); }),
+              HasSubstr("R that is no rotation (all zero)"));
   constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(changed([](Info& info) { info.K[4] = 0; }), HasSubstr("K[4] = 0"));
   EXPECT_THAT(changed([](Info& info) { info.K[0] = kNotANumber; }), HasSubstr("K[0] = nan"));
@@ -112,10 +121,14 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
               }),
               HasSubstr("describes a sensor of"));
   EXPECT_THAT(changed([](Info& info) { info.R[8] = -1; }), HasSubstr("R that is no rotation"));
-  EXPECT_THAT(changed([](Info& info) {
-                info.D = {0.1, 0.2, 0.3};
-              }),
-              HasSubstr("/left is raw, but its camera_info cannot be used"));
+  EXPECT_THAT(
+      changed([](Info& info) {
+        info.D = {0.1, 0.2, 0.3};
+      }),
+      HasSubstr("/left is raw, but its camera_info has 3 distortion coefficients D of the model "
+                "plumb_bob, expected 4, 5, 8, 12 or 14. Correct D"));
+  EXPECT_THAT(changed([](Info& info) { info.distortion_model = "equidistant"; }),
+              HasSubstr("coefficients D of the model equidistant, expected 4. Correct D"));
 }
 
 /// The rows and columns of a rotation about the vertical axis.

@@ -302,7 +302,8 @@ TEST(GreyPair, RefusesMalformedImages) {
   const cv::Mat floats(kSize, CV_32FC1, cv::Scalar(1));
   messages.left_image = makeImage(floats, "32FC1", messages.left_image->header);
   messages.right_image = makeImage(floats, "32FC1", messages.right_image->header);
-  expectBadPair(messages, InputFault::kUnsupportedEncoding, {kTopics.left_image, "'32FC1'"});
+  expectBadPair(messages, InputFault::kUnsupportedEncoding,
+                {kTopics.left_image, "'32FC1'", "Expected mono8", "driver"});
 }
 
 TEST(Color, AllEncodingsGiveTheSame) {

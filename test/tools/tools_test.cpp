@@ -97,6 +97,22 @@ TEST_F(ToolsTest, MatchRefusesWhatNeedsTooMuchMemory) {
                 {"64 disparities need", "MB", "max_memory_mb allows 2"});
 }
 
+TEST_F(ToolsTest, MatchWarnsOfRowsThatAreApart) {
+  const RenderedScene scene = renderScene(320, 240, 1);
+  const auto rowsFrom = [](const cv::Mat& image, int first) {
+    return image.rowRange(first, first + 230).clone();
+  };
+  writeImage(path("high.png"), rowsFrom(scene.left, 0));
+  writeImage(path("aligned.png"), rowsFrom(scene.right, 0));
+  writeImage(path("low.png"), rowsFrom(scene.right, 3));
+  const std::string rest = " --forest " + kForest + " --preset realtime --output " + path("out");
+  EXPECT_EQ(run("cbmv_match", path("high.png") + " " + path("aligned.png") + rest).output, "");
+  const Outcome outcome = run("cbmv_match", path("high.png") + " " + path("low.png") + rest);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output, testing::HasSubstr("px apart, expected at most 1.00 px"));
+  EXPECT_THAT(outcome.output, testing::HasSubstr(path("low.png")));
+}
+
 TEST_F(ToolsTest, MatchOptionsWinOverThePreset) {
   const std::string preset = folder_.write("wide.yaml", "max_memory_mb: 2\ndisparity_range: 99\n");
   const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
@@ -264,6 +280,37 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
     expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
                   {folder, path("text.png") + " is none"});
   }
+}
+
+/// By whatever path: a forest that a report replaces is lost.
+TEST_F(ToolsTest, NoOutputIsAnInput) {
+  writeScene(path("data/One"), scene_);
+  const std::string data = "--dataset middlebury_v3:" + path("data");
+  const std::string forest = path("my.forest");
+  const std::string preset = path("my.yaml");
+  std::filesystem::copy_file(kForest, forest);
+  std::ofstream(preset) << "disparity_range: 32\n";
+  std::ofstream(path("list.txt")) << "left.png right.png data/One/disp0GT.pfm 1\n";
+  std::filesystem::create_hard_link(forest, path("link"));
+  const std::string list = "--dataset list:" + path("list.txt");
+  const std::string with_forest = " --forest " + forest;
+  const std::string lost = "which would be lost";
+  for (const char* option : {"json", "csv", "markdown"}) {
+    expectRefusal(run("cbmv_eval", data + with_forest + " --" + option + " " + path("link")),
+                  {path("link"), forest, lost});
+  }
+  expectRefusal(run("cbmv_eval", data + with_forest + " --preset " + preset + " --csv " + preset),
+                {preset, lost});
+  expectRefusal(run("cbmv_eval", list + with_forest + " --json " + path("list.txt")), {lost});
+  expectRefusal(run("cbmv_train", list + " --output " + path("list.txt")), {lost});
+  expectRefusal(run("cbmv_tune", data + with_forest + " --output " + forest), {forest, lost});
+  expectRefusal(run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
+                {preset, lost});
+  std::filesystem::copy_file(path("left.png"), path("disparity.png"));
+  expectRefusal(run("cbmv_match", path("disparity.png") + " " + path("right.png") + with_forest +
+                                      " --output " + path("")),
+                {"disparity.png", lost});
+  EXPECT_EQ(contentOf(forest), contentOf(kForest));
 }
 
 TEST_F(ToolsTest, TellTheBoundsOfNumbers) {

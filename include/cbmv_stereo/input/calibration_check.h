@@ -70,6 +70,14 @@ const StereoGeometry& requireUsable(const CalibrationCheck& check);
 /// Whether all coefficients of the distortion are zero, or there is none.
 bool hasNoCoefficients(const CameraCalibration& camera);
 
+/// Why an image of this size does not belong to the calibration, as the end of a sentence that
+/// begins with the calibration's name; empty if it does, or the calibration tells no size.
+std::string sizeProblem(const CameraCalibration& camera, cv::Size image_size,
+                        const std::string& image_name);
+
+/// The same of R that is no rotation, without what to do; empty if it is one.
+std::string rotationProblem(const CameraCalibration& camera);
+
 /// Whether the nine numbers are a rotation matrix: orthonormal within 1e-3, determinant 1.
 bool isRotation(const std::array<double, 9>& matrix);
 

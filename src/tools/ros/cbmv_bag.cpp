@@ -20,10 +20,10 @@
 #include "../stereo_arguments.h"
 #include "offline/bag_check.h"
 #include "offline/conversion.h"
-#include "offline/other_file.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/forest/forest_file.h"
+#include "cbmv_stereo/io/other_file.h"
 #include "cbmv_stereo/io/output_check.h"
 
 namespace cbmv {
@@ -82,15 +82,24 @@ void reportPlan(const ConversionSummary& summary) {
   }
 }
 
+std::vector<std::string> inputFiles(const Arguments& arguments) {
+  std::vector<std::string> files = arguments.conversion.inputs;
+  const TopicChoice& topics = arguments.conversion.topics;
+  files.insert(files.end(),
+               {forestFile(arguments.forest), topics.left_calibration, topics.right_calibration});
+  if (!arguments.stereo.preset.empty()) {
+    files.push_back(presetFile(arguments.stereo.preset));
+  }
+  return files;
+}
+
 /// Before the work, whose result could not be kept.
 void requireWritableJson(const Arguments& arguments) {
   if (arguments.json.empty()) {
     return;
   }
   requireWritableFile(arguments.json);
-  for (const std::string& input : arguments.conversion.inputs) {
-    requireOtherFile(input, arguments.json);
-  }
+  requireOtherFiles(inputFiles(arguments), {arguments.json});
 }
 
 void requireWritable(const Arguments& arguments) {
@@ -98,6 +107,7 @@ void requireWritable(const Arguments& arguments) {
   options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
   requireWritableJson(arguments);
   const std::string written = options.files ? options.output + "/index.csv" : options.output;
+  requireOtherFiles(inputFiles(arguments), {written});
   if (!arguments.json.empty() && isSameFile(arguments.json, written)) {
     throw Error("--json and --output both write " + written +
                 ", expected two files. Choose another name for one of them.");

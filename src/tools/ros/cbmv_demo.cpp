@@ -23,6 +23,8 @@
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/io/calibration.h"
 #include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/other_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include "cbmv_stereo/io/pfm.h"
 #include "cbmv_stereo/io/ply.h"
 #include "cbmv_stereo/io/preview.h"
@@ -43,6 +45,8 @@ struct MakeBagArguments {
 };
 
 void makeBag(const MakeBagArguments& arguments) {
+  requireWritableFile(arguments.output);
+  requireOtherFiles({arguments.left, arguments.right, arguments.calibration}, {arguments.output});
   const cv::Mat left = readColorImage(arguments.left);
   const cv::Mat right = readColorImage(arguments.right);
   const StereoCalibration calibration = readMiddleburyCalibration(arguments.calibration);
@@ -69,6 +73,8 @@ void makeBag(const MakeBagArguments& arguments) {
 }
 
 void render(const std::string& folder) {
+  requireWritableFolder(folder);
+  fs::create_directories(folder);
   const RenderedScene scene = renderScene(kRenderedWidth, kRenderedHeight, 1);
   writeImage(folder + "/left.png", scene.left);
   writeImage(folder + "/right.png", scene.right);
@@ -185,6 +191,7 @@ void writePictures(const Recording& recording, const RecordedDisparity& disparit
 }
 
 void report(const ReportArguments& arguments) {
+  requireWritableFolder(arguments.output);
   const Recording recording = readRecording(arguments.bag);
   const StereoCalibration calibration = readMiddleburyCalibration(arguments.calibration);
   const RecordedDisparity disparity =
@@ -199,6 +206,7 @@ void report(const ReportArguments& arguments) {
              evaluateDisparity(disparity.values, truth,
                                cv::Mat(truth.size(), CV_8UC1, cv::Scalar(255)), disparity.invalid));
   const std::string folder = arguments.output + "/";
+  fs::create_directories(folder);
   writePfm(folder + "disparity.pfm", disparity.values);
   writePictures(recording, disparity, arguments);
   writePly(folder + "cloud.ply", fromPointCloud(*recording.points));

@@ -17,6 +17,8 @@
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/io/image_file.h"
+#include "cbmv_stereo/io/other_file.h"
+#include "cbmv_stereo/io/output_check.h"
 #include <cbmv_stereo/Rectification.h>
 
 namespace cbmv {
@@ -134,6 +136,7 @@ RawRecording readRawRecording(const std::string& path) {
 }  // namespace
 
 void calibrate(const CalibrateArguments& arguments) {
+  requireWritableFolder(arguments.output);
   std::vector<std::pair<cv::Mat, cv::Mat>> pairs;
   for (const auto& [left, right] : pairsIn(arguments.folder)) {
     pairs.emplace_back(readGreyImage(left), readGreyImage(right));
@@ -143,6 +146,7 @@ void calibrate(const CalibrateArguments& arguments) {
     }
   }
   const CalibratedRig rig = calibratePairs(pairs, arguments.board);
+  fs::create_directories(arguments.output);
   writeCameraFile(arguments.output + "/left.yaml", "left", toCameraInfo(rig.left, rig.image_size));
   writeCameraFile(arguments.output + "/right.yaml", "right",
                   toCameraInfo(rig.right, rig.image_size));
@@ -155,6 +159,8 @@ void calibrate(const CalibrateArguments& arguments) {
 }
 
 void showRaw(const ShowRawArguments& arguments) {
+  requireWritableFile(arguments.output);
+  requireOtherFile(arguments.bag, arguments.output);
   const RawRecording recording = readRawRecording(arguments.bag);
   std::vector<cv::Mat> rows;
   for (const auto& [stamp, disparity] : recording.disparities) {

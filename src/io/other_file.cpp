@@ -1,4 +1,4 @@
-#include "offline/other_file.h"
+#include "cbmv_stereo/io/other_file.h"
 
 #include <filesystem>
 
@@ -29,6 +29,17 @@ void requireOtherFile(const std::string& input, const std::string& output) {
   if (isSameFile(input, output) || is_part) {
     throw Error("the output " + output + " is the input " + input +
                 ", which would be lost. Choose another name for the output.");
+  }
+}
+
+void requireOtherFiles(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    for (const std::string& input : inputs) {
+      if (!input.empty() && !output.empty()) {
+        requireOtherFile(input, output);
+      }
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-#include "offline/other_file.h"
+#include "cbmv_stereo/io/other_file.h"
 
 #include <filesystem>
 #include <fstream>
