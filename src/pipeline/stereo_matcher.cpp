@@ -76,6 +76,7 @@ class StereoMatcher::Impl {
     requirePair(left, right);
     result.times = {};
     result.rectification = {};
+    result.disparity_sigma.release();
     threads_.run([&] { run(left, right, offset, result); });
   }
 

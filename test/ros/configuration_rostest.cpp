@@ -485,13 +485,15 @@ TEST(Points, LayoutIsTheParameters) {
   StereoNodelet nodelet("cloud_test");
   nodelet.parameters().setParam("points_compact", true);
   nodelet.parameters().setParam("points_confidence", true);
+  nodelet.parameters().setParam("points_sigma", true);
   nodelet.parameters().setParam("points_max_depth_m", 5);  // f T = 30: disparities from 6 px on
   ASSERT_TRUE(nodelet.load());
   const auto cloud = outputOf<sensor_msgs::PointCloud2>("cloud_test", "points2", changeNothing);
   ASSERT_TRUE(cloud);
-  EXPECT_EQ(cloud->point_step, 20U);
-  ASSERT_EQ(cloud->fields.size(), 5U);
+  EXPECT_EQ(cloud->point_step, 24U);
+  ASSERT_EQ(cloud->fields.size(), 6U);
   EXPECT_EQ(cloud->fields[4].name, "confidence");
+  EXPECT_EQ(cloud->fields[5].name, "sigma");
   const auto depth_at = [&](std::size_t x, std::size_t y) {
     float z = 0;
     std::memcpy(&z, &cloud->data[y * cloud->row_step + x * cloud->point_step + 8], sizeof(z));

@@ -229,7 +229,7 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
       ->check(CLI::IsMember({"auto", "bag", "files", "kitti"}))
       ->capture_default_str();
   app.add_option("--write", options.outputs,
-                 "Outputs, separated by commas: disparity, depth, depth_raw, camera_info, "
+                 "Outputs, separated by commas: disparity, depth, depth_sigma, depth_raw, camera_info, "
                  "confidence, valid_mask, disparity_color, cloud")
       ->delimiter(',')
       ->capture_default_str();
