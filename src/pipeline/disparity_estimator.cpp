@@ -122,6 +122,7 @@ class DisparityEstimator::Impl {
     options.range = halveRange(options_.range);
     options.refinement.fill_occlusions = false;
     options.refinement.fill_mismatches = false;
+    options.refinement.speckle_size_px = 0;
     halveImage(left_.gray, coarse_->left);
     halveImage(right_.gray, coarse_->right);
     halveVolume(volume, options_.range, coarse_->volume);

@@ -203,6 +203,14 @@ void addRefinementParameters(ParameterTable& table) {
       "bilateral_threshold", "px", 0.01, 16,
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
       "Disparities that differ by this from the centre's do not count in the filter");
+  table.add(
+      "speckle_size", "px", 0, 1000,
+      [](Options& o) -> int& { return o.refinement.speckle_size_px; },
+      "Regions of at most so many pixels become invalid; 0 switches the filter off");
+  table.add(
+      "speckle_range", "px", 0, 31,
+      [](Options& o) -> int& { return o.refinement.speckle_range_px; },
+      "Neighbors whose disparities differ by more belong to two regions");
 }
 
 ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node) {

@@ -23,10 +23,12 @@ namespace {
 constexpr int kSmallestSidePx = 32;
 
 /// At a quarter of the pixels and less, the right view costs little, and what it finds out about
-/// occlusions keeps wrong disparities out of the lists of the finer levels.
+/// occlusions keeps wrong disparities out of the lists of the finer levels. What is a speckle is
+/// found at the full size.
 StereoOptions optionsOfCoarseLevels(const StereoOptions& options) {
   StereoOptions coarse = options;
   coarse.refinement.optimize_right_view = true;
+  coarse.refinement.speckle_size_px = 0;
   return coarse;
 }
 

@@ -46,6 +46,8 @@ void DisparityRefiner::refine(const cv::Mat& winners, const DisparityRange& rang
   medianFilter(maps.disparity, range, options.median_size_px, median_padded_, filtered_);
   bilateralFilter(filtered_, range, options.bilateral_sigma_px, options.bilateral_threshold_px,
                   bilateral_padded_, maps.disparity);
+  removeSpeckles(range, options.speckle_size_px, options.speckle_range_px, speckle_buffers_,
+                 maps.disparity);
 }
 
 void DisparityRefiner::replaceUnmatched(const DisparityRange& range,

@@ -233,10 +233,10 @@ TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   wait(0.3);  // until the subscription stands
   StereoNodelet nodelet("stock_parameters_test");
   nodelet.parameters().setParam("P1", 200.0);
-  nodelet.parameters().setParam("speckle_size", 100);
+  nodelet.parameters().setParam("uniqueness_ratio", 15.0);
   ASSERT_TRUE(nodelet.load());
   EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/P1 is 200", "0 to 60"}));
-  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/speckle_size", "ignored"}));
+  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/uniqueness_ratio", "ignored"}));
 }
 
 /// Publishes a pair to the inputs of a namespace until a message comes back; null if none does.

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/refinement/options.h"
+#include "cbmv_stereo/refinement/speckle_filter.h"
 #include "cbmv_stereo/volume/disparity_range.h"
 
 namespace cbmv {
@@ -15,8 +16,8 @@ struct RefinedMaps {
   cv::Mat& confidence;       ///< CV_32FC1; becomes half where the check failed
 };
 
-/// The last steps on the winners of both views: left-right check, filling, median and bilateral
-/// filter. Filled pixels take sub-pixel disparities from their neighbours. Holds the memory of the
+/// The last steps on the winners of both views: left-right check, filling, median, bilateral and
+/// speckle filter. Filled pixels take sub-pixel disparities from their neighbours. Holds the memory of the
 /// filters, so one object serves one pair at a time. Parallel by oneTBB.
 class DisparityRefiner {
  public:
@@ -31,6 +32,7 @@ class DisparityRefiner {
   cv::Mat filtered_;
   cv::Mat median_padded_;
   cv::Mat bilateral_padded_;
+  SpeckleBuffers speckle_buffers_;
 };
 
 }  // namespace cbmv
