@@ -45,8 +45,8 @@ sensor_msgs::Image depthSigmaOf(const Source& source) {
   if (source.result.disparity_sigma.empty()) {
     throw Error(
         "depth_sigma is asked for, but the forest file has no second forest, which tells it. "
-        "Expected a file with both forests. Give one as --forest (cbmv_train writes such files), or "
-        "leave depth_sigma out of --write.");
+        "Expected a file with both forests. Give one as --forest (cbmv_train writes such files), "
+        "or leave depth_sigma out of --write.");
   }
   return toDepthSigmaImage(source.result, source.geometry, source.header);
 }
@@ -73,8 +73,8 @@ std::vector<OfflineOutput> offlineOutputs() {
              [](const Source& s) { return toDisparityColorImage(s.result, s.header); }),
       output(kCloud, ".ply",
              [](const Source& s) {
-               const CloudSource source{toValidDisparity(s.result, s.geometry), s.color(),
-                                        s.result.confidence, {}};
+               const CloudSource source{
+                   toValidDisparity(s.result, s.geometry), s.color(), s.result.confidence, {}};
                return toPointCloud(source, s.geometry, {}, s.header);
              }),
   };

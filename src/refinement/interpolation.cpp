@@ -253,8 +253,8 @@ void fillOcclusionsOfRow(const cv::Mat& labels, int y, float invalid, cv::Mat& d
   const auto* label = labels.ptr<std::uint8_t>(y);
   auto* filled = disparity.ptr<float>(y);
   const int width = labels.cols;
-  float background = label[0] == kMatch ? filled[0]
-                                        : disparityOfLeftBorder(labels, disparity, y, invalid);
+  float background =
+      label[0] == kMatch ? filled[0] : disparityOfLeftBorder(labels, disparity, y, invalid);
   for (int x = firstUnmatched(label, 0, width); x < width;
        x = firstUnmatched(label, x + 1, width)) {
     if (x > 0 && label[x - 1] == kMatch) {
@@ -270,10 +270,10 @@ void fillOcclusionsOfRow(const cv::Mat& labels, int y, float invalid, cv::Mat& d
 
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  // Rows can be filled in parallel: of other rows only matches are used, and they are never written.
-  tbb::parallel_for(0, labels.rows, [&](int y) {
-    fillOcclusionsOfRow(labels, y, range.invalid(), disparity);
-  });
+  // Rows can be filled in parallel: of other rows only matches are used, and they are never
+  // written.
+  tbb::parallel_for(0, labels.rows,
+                    [&](int y) { fillOcclusionsOfRow(labels, y, range.invalid(), disparity); });
 }
 
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {

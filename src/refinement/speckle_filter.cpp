@@ -48,9 +48,8 @@ void removeSpeckles(const DisparityRange& range, int size_px, int difference_px,
   tbb::parallel_for(0, disparity.rows, [&](int y) {
     const auto* steps = buffers.steps.ptr<std::int16_t>(y);
     auto* row = disparity.ptr<float>(y);
-    std::transform(row, row + disparity.cols, steps, row, [&](float d, std::int16_t step) {
-      return step == kNone ? range.invalid() : d;
-    });
+    std::transform(row, row + disparity.cols, steps, row,
+                   [&](float d, std::int16_t step) { return step == kNone ? range.invalid() : d; });
   });
 }
 

@@ -95,9 +95,9 @@ sensor_msgs::Image toDepthImage(const StereoResult& result, const StereoGeometry
 }
 
 cv::Mat toDepthSigma(const StereoResult& result, const StereoGeometry& geometry) {
-  return result.disparity_sigma.empty() ? cv::Mat()
-                                        : toDepthSigma(toValidDisparity(result, geometry),
-                                                       result.disparity_sigma, geometry);
+  return result.disparity_sigma.empty()
+             ? cv::Mat()
+             : toDepthSigma(toValidDisparity(result, geometry), result.disparity_sigma, geometry);
 }
 
 sensor_msgs::Image toDepthSigmaImage(const StereoResult& result, const StereoGeometry& geometry,

@@ -54,8 +54,9 @@ Output output(const char* topic, const char* description, Make make) {
         topic, [publisher] { return publisher.getNumSubscribers(); },
         [publisher, make](const OutputFrame& frame) {
           if (auto message = asOptional(make(frame))) {
-            publisher.publish(boost::shared_ptr<const Message>(  // shared with this process's nodelets
-                boost::make_shared<Message>(std::move(*message))));
+            publisher.publish(
+                boost::shared_ptr<const Message>(  // shared with this process's nodelets
+                    boost::make_shared<Message>(std::move(*message))));
           }
         }};
   };
@@ -71,8 +72,10 @@ std::optional<sensor_msgs::Image> depthSigmaOf(const OutputFrame& frame) {
 }
 
 sensor_msgs::PointCloud2 cloudOf(const OutputFrame& frame, const CloudOptions& options) {
-  CloudSource source{toValidDisparity(frame.result(), frame.geometry()), frame.color(),
-                     frame.result().confidence, {}};
+  CloudSource source{toValidDisparity(frame.result(), frame.geometry()),
+                     frame.color(),
+                     frame.result().confidence,
+                     {}};
   if (options.with_sigma) {
     source.depth_sigma = toDepthSigma(frame.result(), frame.geometry());
     if (source.depth_sigma.empty()) {
@@ -94,11 +97,12 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              }),
       output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
              [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
-      output("depth_sigma",
-             "32FC1, standard deviation of `depth` in metres, if the disparity is right within 1 px "
-             "(`confidence` is the probability of that); NaN where there is no depth. Needs a forest "
-             "file with a second forest",
-             depthSigmaOf),
+      output(
+          "depth_sigma",
+          "32FC1, standard deviation of `depth` in metres, if the disparity is right within 1 px "
+          "(`confidence` is the probability of that); NaN where there is no depth. Needs a forest "
+          "file with a second forest",
+          depthSigmaOf),
       output("depth_raw", "16UC1, Z in millimetres; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
       output("camera_info", "Of `depth`, `depth_sigma` and `depth_raw`: the rectified left camera",

@@ -28,10 +28,10 @@ struct CloudSource {
 };
 
 /// Organised cloud in the left camera's optical frame, in metres: fields x, y, z, rgb (float at
-/// byte 0, 4, 8, 16; 32 bytes a point), and if wanted confidence (float at byte 20) and sigma (float
-/// at byte 24, m: standard deviation of z); compact: rgb at byte 12, then confidence and sigma where
-/// they are wanted, without padding (16 to 24 bytes a point). Missing points have NaN in x, y, z and
-/// sigma.
+/// byte 0, 4, 8, 16; 32 bytes a point), and if wanted confidence (float at byte 20) and sigma
+/// (float at byte 24, m: standard deviation of z); compact: rgb at byte 12, then confidence and
+/// sigma where they are wanted, without padding (16 to 24 bytes a point). Missing points have NaN
+/// in x, y, z and sigma.
 sensor_msgs::PointCloud2 toPointCloud(const CloudSource& source, const StereoGeometry& geometry,
                                       const CloudOptions& options, const std_msgs::Header& header);
 

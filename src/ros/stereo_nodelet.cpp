@@ -248,11 +248,10 @@ void StereoNodelet::work(const StereoMessages& frame) {
     diagnostics_->processed(processed, ros::SteadyTime::now());
     warnOf(processed);
     const std_msgs::Header& header = frame.left_image->header;
-    outputs_->publish({header, processed, [&] { return colorOf(frame, processed); },
-                       [&] { return stateAt(header.stamp); },
-                       [this](const auto& topic, const auto& effect) {
-                         warnOfNoSigma(topic, effect);
-                       }});
+    outputs_->publish(
+        {header, processed, [&] { return colorOf(frame, processed); },
+         [&] { return stateAt(header.stamp); },
+         [this](const auto& topic, const auto& effect) { warnOfNoSigma(topic, effect); }});
     diagnostics_->published(stateAt(header.stamp).age_ms, ros::SteadyTime::now());
   } catch (const InputError& error) {
     drop(FrameDrop::kBadInput, static_cast<int>(error.fault()), error.what());

@@ -584,8 +584,8 @@ TEST(PointCloud, InvalidPixelsStayMissingWhereTheInvalidValueIsPositive) {
   result.range = {5, 4};
   result.disparity = (cv::Mat_<float>(1, 2) << result.range.invalid(), 5);
   const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};
-  const auto cloud = toPointCloud({toValidDisparity(result, geometry), cv::Mat(1, 2, CV_8UC3), {}, {}},
-                                  geometry, {}, {});
+  const auto cloud = toPointCloud(
+      {toValidDisparity(result, geometry), cv::Mat(1, 2, CV_8UC3), {}, {}}, geometry, {}, {});
   float z = 0;
   std::memcpy(&z, &cloud.data[8], sizeof(z));
   EXPECT_TRUE(std::isnan(z));
@@ -652,10 +652,9 @@ TEST(PointCloud, LayoutsHoldTheSamePoints) {
     }
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_EQ(std::memcmp(&cloud.data[i * wanted.point_step], &stock.data[i * 32], 12), 0);
-      EXPECT_EQ(
-          std::memcmp(&cloud.data[i * wanted.point_step + wanted.fields[0].second],
-                      &stock.data[i * 32 + 16], 4),
-          0);
+      EXPECT_EQ(std::memcmp(&cloud.data[i * wanted.point_step + wanted.fields[0].second],
+                            &stock.data[i * 32 + 16], 4),
+                0);
       if (wanted.with_confidence) {
         EXPECT_EQ(fieldOf(cloud, "confidence", i),
                   result.confidence.at<float>(static_cast<int>(i)));

@@ -22,8 +22,8 @@ cv::Mat toDepth(const cv::Mat& valid_disparity, const StereoGeometry& geometry);
 
 /// Standard deviation of Z in m, CV_32FC1, of valid disparities d whose standard deviation is
 /// `disparity_sigma` (CV_32FC1, px, of the same size): Z² / (f B) times it, which is
-/// f B disparity_sigma / d². NaN where toDepth gives NaN, and where `disparity_sigma` is not above 0.
-/// Holds for inliers: see StereoResult::disparity_sigma.
+/// f B disparity_sigma / d². NaN where toDepth gives NaN, and where `disparity_sigma` is not above
+/// 0. Holds for inliers: see StereoResult::disparity_sigma.
 cv::Mat toDepthSigma(const cv::Mat& valid_disparity, const cv::Mat& disparity_sigma,
                      const StereoGeometry& geometry);
 

@@ -27,9 +27,9 @@ struct StereoResult {
   /// CV_32FC1 in [0, 1], left view: the forest's probability that the whole-pixel disparity chosen
   /// is correct; halved where the left-right check failed, and 0 where there is no disparity.
   cv::Mat confidence;
-  /// CV_32FC1, px, left view: standard deviation of the disparity's error, given that the pixel is an
-  /// inlier (|error| ≤ 1 px; `confidence` is the probability of that). Above 0; NaN where there is
-  /// no disparity. Empty without a second forest.
+  /// CV_32FC1, px, left view: standard deviation of the disparity's error, given that the pixel is
+  /// an inlier (|error| ≤ 1 px; `confidence` is the probability of that). Above 0; NaN where there
+  /// is no disparity. Empty without a second forest.
   cv::Mat disparity_sigma;
   /// That the matcher needs for this pair, MB of 2^20 bytes (memory.h).
   double memory_mb = 0;

@@ -17,8 +17,8 @@ struct RefinedMaps {
 };
 
 /// The last steps on the winners of both views: left-right check, filling, median, bilateral and
-/// speckle filter. Filled pixels take sub-pixel disparities from their neighbours. Holds the memory of the
-/// filters, so one object serves one pair at a time. Parallel by oneTBB.
+/// speckle filter. Filled pixels take sub-pixel disparities from their neighbours. Holds the memory
+/// of the filters, so one object serves one pair at a time. Parallel by oneTBB.
 class DisparityRefiner {
  public:
   /// `winners` are the left view's, in whole pixels.

@@ -16,9 +16,9 @@ struct SpeckleBuffers {
 /// connected by neighbors above, below, left and right whose disparities differ by at most
 /// `difference_px`. size_px = 0 changes nothing.
 ///
-/// This is cv::filterSpeckles, as stereo_image_proc has it. It counts in steps of 1/16 px; with more
-/// than 2000 disparities in coarser ones, so that they fit 16 bits. `disparity` (CV_32FC1) is changed
-/// in place and has range.invalid() as the invalid mark.
+/// This is cv::filterSpeckles, as stereo_image_proc has it. It counts in steps of 1/16 px; with
+/// more than 2000 disparities in coarser ones, so that they fit 16 bits. `disparity` (CV_32FC1) is
+/// changed in place and has range.invalid() as the invalid mark.
 void removeSpeckles(const DisparityRange& range, int size_px, int difference_px,
                     SpeckleBuffers& buffers, cv::Mat& disparity);
 
