@@ -51,8 +51,8 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs: it looks for them where catkin puts programs.
-set(CBMV_ROSTESTS stereo configuration launch_names point_cloud worker_threads faults faults_time faults_parameters
-    faults_lifecycle faults_sim_time)
+set(CBMV_ROSTESTS stereo configuration uncertainty launch_names point_cloud worker_threads faults faults_time
+    faults_parameters faults_lifecycle faults_sim_time)
 set(launch_files stereo_node stereo_nodelet configuration launch_names worker_threads faults faults_lifecycle
     faults_sim_time)
 if(stereo_image_proc_FOUND AND image_proc_FOUND)

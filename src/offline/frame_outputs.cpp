@@ -41,6 +41,16 @@ OfflineOutput output(const char* topic, const char* extension, Make make) {
           }};
 }
 
+sensor_msgs::Image depthSigmaOf(const Source& source) {
+  if (source.result.disparity_sigma.empty()) {
+    throw Error(
+        "depth_sigma is asked for, but the forest file has no second forest, which tells it. "
+        "Expected a file with both forests. Give one as --forest (cbmv_train writes such files), "
+        "or leave depth_sigma out of --write.");
+  }
+  return toDepthSigmaImage(source.result, source.geometry, source.header);
+}
+
 std::vector<OfflineOutput> offlineOutputs() {
   return {
       output(kDisparity, ".pfm",
@@ -49,6 +59,7 @@ std::vector<OfflineOutput> offlineOutputs() {
              }),
       output("depth", ".pfm",
              [](const Source& s) { return toDepthImage(s.result, s.geometry, s.header); }),
+      output("depth_sigma", ".pfm", depthSigmaOf),
       output("depth_raw", ".png",
              [](const Source& s) { return toRawDepthImage(s.result, s.geometry, s.header); }),
       output("camera_info", ".yaml",
@@ -62,8 +73,8 @@ std::vector<OfflineOutput> offlineOutputs() {
              [](const Source& s) { return toDisparityColorImage(s.result, s.header); }),
       output(kCloud, ".ply",
              [](const Source& s) {
-               const CloudSource source{toValidDisparity(s.result, s.geometry), s.color(),
-                                        s.result.confidence};
+               const CloudSource source{
+                   toValidDisparity(s.result, s.geometry), s.color(), s.result.confidence, {}};
                return toPointCloud(source, s.geometry, {}, s.header);
              }),
   };

@@ -1,5 +1,6 @@
 #include "cbmv_stereo/output/points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -25,6 +26,22 @@ cv::Mat toDepth(const cv::Mat& valid_disparity, const StereoGeometry& geometry) 
     value = value > 0 ? static_cast<float>(scale / value) : kNone;
   }
   return depth;
+}
+
+cv::Mat toDepthSigma(const cv::Mat& valid_disparity, const cv::Mat& disparity_sigma,
+                     const StereoGeometry& geometry) {
+  CV_Assert(valid_disparity.type() == CV_32FC1 && disparity_sigma.type() == CV_32FC1);
+  CV_Assert(valid_disparity.size() == disparity_sigma.size());
+  const double scale = geometry.focal_length_px * geometry.baseline_m;
+  cv::Mat_<float> sigma(valid_disparity.size());
+  const cv::Mat_<float> disparities = valid_disparity;
+  const cv::Mat_<float> disparity_sigmas = disparity_sigma;
+  std::transform(disparities.begin(), disparities.end(), disparity_sigmas.begin(), sigma.begin(),
+                 [scale](double d, double sigma_px) {
+                   return d > 0 && sigma_px > 0 ? static_cast<float>(scale * sigma_px / (d * d))
+                                                : kNone;
+                 });
+  return sigma;
 }
 
 cv::Vec3f toPoint(const StereoGeometry& geometry, int x, int y, float valid_disparity_px) {

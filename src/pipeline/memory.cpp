@@ -34,6 +34,7 @@ struct Problem {
     result.width /= 2;
     result.pixels /= 4;
     result.disparities /= 2;
+    result.options.refinement.speckle_size_px = 0;
     return result;
   }
 
@@ -71,8 +72,9 @@ double bytesOfEstimationMaps(const Problem& problem) {
   // As they are, and by match.
   const double arms =
       ifSet(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
-  // Winners; the median filter; the bilateral one.
-  const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4);
+  // Winners; the median filter; the bilateral one; the speckle filter with OpenCV's buffer.
+  const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4) +
+                            ifSet(options.refinement.speckle_size_px > 0, 2 + 9);
   const double result = 4 + 4 + 1 + 2 + ifSet(options.refinement.left_right_check, 4);
   return problem.pixels * (edges + arms + refinement + result);
 }

@@ -208,6 +208,14 @@ void addRefinementParameters(ParameterTable& table) {
       [](Options& o) -> bool& { return o.refinement.second_forest; },
       "Calibrate the confidence, and replace improbable disparities by those of confident "
       "neighbors; needs a forest that holds a second one");
+  table.add(
+      "speckle_size", "px", 0, 1000,
+      [](Options& o) -> int& { return o.refinement.speckle_size_px; },
+      "Regions of at most so many pixels become invalid; 0 switches the filter off");
+  table.add(
+      "speckle_range", "px", 0, 31,
+      [](Options& o) -> int& { return o.refinement.speckle_range_px; },
+      "Neighbors whose disparities differ by more belong to two regions");
 }
 
 ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node) {

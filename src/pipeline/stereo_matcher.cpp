@@ -1,5 +1,6 @@
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "cbmv_stereo/pipeline/memory.h"
 #include "cbmv_stereo/pipeline/parameters.h"
 #include "cbmv_stereo/pipeline/pyramid_matcher.h"
+#include "cbmv_stereo/refinement/speckle_filter.h"
 #include "cbmv_stereo/search/range_source.h"
 #include "cbmv_stereo/selection/map_selector.h"
 #include "cbmv_stereo/volume/volume_builder.h"
@@ -44,6 +46,15 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
     };
     throw Error("the left image has " + text(left.size()) + " pixels, the right one " +
                 text(right.size()) + "; a rectified pair has one size");
+  }
+}
+
+/// Confidence and standard deviation where there is no disparity.
+void forgetInvalid(StereoResult& result) {
+  const cv::Mat invalid = result.disparity == result.range.invalid();
+  result.confidence.setTo(0.0F, invalid);
+  if (!result.disparity_sigma.empty()) {
+    result.disparity_sigma.setTo(std::numeric_limits<float>::quiet_NaN(), invalid);
   }
 }
 
@@ -91,6 +102,12 @@ class StereoMatcher::Impl {
     const cv::Mat aligned = alignPair(left, right, options, offset, result);
     matchAligned(left, aligned, options, result);
     judge(options, result);
+    if (options.refinement.speckle_size_px > 0) {
+      const Stopwatch watch(result.times.refinement_ms);
+      removeSpeckles(result.range, options.refinement.speckle_size_px,
+                     options.refinement.speckle_range_px, speckle_buffers_, result.disparity);
+      forgetInvalid(result);
+    }
   }
 
   void matchAligned(const cv::Mat& left, const cv::Mat& aligned, const StereoOptions& options,
@@ -157,6 +174,7 @@ class StereoMatcher::Impl {
   MatchingVolume volume_;
   DisparityEstimator estimator_;
   PyramidMatcher pyramid_;
+  SpeckleBuffers speckle_buffers_;
   std::unique_ptr<MapSelector> selector_;  ///< null: the forest has no second one
 };
 

@@ -8,6 +8,7 @@
 
 #include "cbmv_stereo/refinement/bilateral_filter.h"
 #include "cbmv_stereo/refinement/interpolation.h"
+#include "cbmv_stereo/refinement/left_border.h"
 #include "cbmv_stereo/refinement/left_right_check.h"
 #include "cbmv_stereo/refinement/median_filter.h"
 
@@ -35,6 +36,7 @@ void DisparityRefiner::refine(const cv::Mat& winners, const DisparityRange& rang
   if (options.left_right_check) {
     leftRightCheck(winners, maps.right_disparity, range, options.max_left_right_difference_px,
                    maps.labels);
+    occludeLeftBorder(winners, maps.right_disparity, range, maps.labels);
     replaceUnmatched(range, options, maps);
   } else {
     maps.right_disparity.release();

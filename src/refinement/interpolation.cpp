@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include <tbb/parallel_for.h>
 
+#include "refinement/border_rows.h"
 #include "refinement/label_runs.h"
 
 #include "cbmv_stereo/refinement/left_right_check.h"
@@ -232,18 +234,34 @@ void checkMaps(const cv::Mat& labels, const cv::Mat& disparity) {
   CV_Assert(labels.size() == disparity.size());
 }
 
-void fillOcclusionsOfRow(const std::uint8_t* labels, int width, float without_match,
-                         float* disparity) {
-  const std::uint8_t* first_match = std::find(labels, labels + width, kMatch);
-  const bool any_match = first_match != labels + width;
-  float background = any_match ? disparity[first_match - labels] : without_match;
-  for (int x = firstUnmatched(labels, 0, width); x < width;
-       x = firstUnmatched(labels, x + 1, width)) {
-    if (x > 0 && labels[x - 1] == kMatch) {
-      background = disparity[x - 1];
+/// The disparity of the first match of a row; empty without one.
+std::optional<float> firstMatch(const cv::Mat& labels, const cv::Mat& disparity, int y) {
+  const auto* row = labels.ptr<std::uint8_t>(y);
+  const auto* match = std::find(row, row + labels.cols, kMatch);
+  return match != row + labels.cols ? std::optional(disparity.at<float>(y, match - row))
+                                    : std::nullopt;
+}
+
+/// What the strip at the left border is filled with, that has no match to its left.
+float disparityOfLeftBorder(const cv::Mat& labels, const cv::Mat& disparity, int y, float invalid) {
+  const bool any_match = firstMatch(labels, disparity, y).has_value();
+  const auto first_match = [&](int row) { return firstMatch(labels, disparity, row); };
+  return any_match ? *medianOfRows(y, labels.rows, first_match) : invalid;
+}
+
+void fillOcclusionsOfRow(const cv::Mat& labels, int y, float invalid, cv::Mat& disparity) {
+  const auto* label = labels.ptr<std::uint8_t>(y);
+  auto* filled = disparity.ptr<float>(y);
+  const int width = labels.cols;
+  float background =
+      label[0] == kMatch ? filled[0] : disparityOfLeftBorder(labels, disparity, y, invalid);
+  for (int x = firstUnmatched(label, 0, width); x < width;
+       x = firstUnmatched(label, x + 1, width)) {
+    if (x > 0 && label[x - 1] == kMatch) {
+      background = filled[x - 1];
     }
-    if (labels[x] == kOcclusion) {
-      disparity[x] = background;
+    if (label[x] == kOcclusion) {
+      filled[x] = background;
     }
   }
 }
@@ -252,10 +270,10 @@ void fillOcclusionsOfRow(const std::uint8_t* labels, int width, float without_ma
 
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  tbb::parallel_for(0, labels.rows, [&](int y) {
-    fillOcclusionsOfRow(labels.ptr<std::uint8_t>(y), labels.cols, range.invalid(),
-                        disparity.ptr<float>(y));
-  });
+  // Rows can be filled in parallel: of other rows only matches are used, and they are never
+  // written.
+  tbb::parallel_for(0, labels.rows,
+                    [&](int y) { fillOcclusionsOfRow(labels, y, range.invalid(), disparity); });
 }
 
 void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {

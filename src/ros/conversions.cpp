@@ -94,6 +94,18 @@ sensor_msgs::Image toDepthImage(const StereoResult& result, const StereoGeometry
   return toMessage(depthOf(result, geometry), encodings::TYPE_32FC1, header);
 }
 
+cv::Mat toDepthSigma(const StereoResult& result, const StereoGeometry& geometry) {
+  return result.disparity_sigma.empty()
+             ? cv::Mat()
+             : toDepthSigma(toValidDisparity(result, geometry), result.disparity_sigma, geometry);
+}
+
+sensor_msgs::Image toDepthSigmaImage(const StereoResult& result, const StereoGeometry& geometry,
+                                     const std_msgs::Header& header) {
+  CV_Assert(!result.disparity_sigma.empty());
+  return toMessage(toDepthSigma(result, geometry), encodings::TYPE_32FC1, header);
+}
+
 sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeometry& geometry,
                                    const std_msgs::Header& header) {
   const cv::Mat_<float> depth = depthOf(result, geometry);

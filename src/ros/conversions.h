@@ -45,7 +45,15 @@ cv::Mat toValidDisparity(const stereo_msgs::DisparityImage& message, const std::
 sensor_msgs::Image toDepthImage(const StereoResult& result, const StereoGeometry& geometry,
                                 const std_msgs::Header& header);
 
-/// The same in whole millimetres, 16UC1: 0 where there is none, or more than 65 535 mm.
+/// Standard deviation of the Z of toDepthImage in metres, 32FC1: of inliers, see
+/// StereoResult::disparity_sigma, which must not be empty. NaN where there is no depth.
+sensor_msgs::Image toDepthSigmaImage(const StereoResult& result, const StereoGeometry& geometry,
+                                     const std_msgs::Header& header);
+
+/// The same as a map, CV_32FC1; empty if result.disparity_sigma is.
+cv::Mat toDepthSigma(const StereoResult& result, const StereoGeometry& geometry);
+
+/// Z in whole millimetres, 16UC1: 0 where there is none, or more than 65 535 mm.
 sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeometry& geometry,
                                    const std_msgs::Header& header);
 

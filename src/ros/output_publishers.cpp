@@ -1,6 +1,8 @@
 #include "ros/output_publishers.h"
 
 #include <algorithm>
+#include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <boost/make_shared.hpp>
@@ -23,21 +25,64 @@ auto advertise(const OutputContext& context, const std::string& topic) {
   }
 }
 
-/// The row of an output whose messages are make(frame).
+template <typename Made>
+struct MadeMessage {
+  using Type = Made;
+};
+template <typename Message>
+struct MadeMessage<std::optional<Message>> {
+  using Type = Message;
+};
+
+/// A message, and one that may be missing.
+template <typename Message>
+std::optional<Message> asOptional(Message message) {
+  return message;
+}
+template <typename Message>
+std::optional<Message> asOptional(std::optional<Message> message) {
+  return message;
+}
+
+/// The row of an output whose messages are make(frame), which may be an empty std::optional.
 template <typename Make>
 Output output(const char* topic, const char* description, Make make) {
-  using Message = std::invoke_result_t<Make, const OutputFrame&>;
+  using Message = typename MadeMessage<std::invoke_result_t<Make, const OutputFrame&>>::Type;
   const auto advertise_it = [topic, make](const OutputContext& context) {
     const auto publisher = advertise<Message>(context, topic);
     return LiveOutput{
         topic, [publisher] { return publisher.getNumSubscribers(); },
         [publisher, make](const OutputFrame& frame) {
-          const boost::shared_ptr<const Message> message =
-              boost::make_shared<Message>(make(frame));  // shared with nodelets of this process
-          publisher.publish(message);
+          if (auto message = asOptional(make(frame))) {
+            publisher.publish(
+                boost::shared_ptr<const Message>(  // shared with this process's nodelets
+                    boost::make_shared<Message>(std::move(*message))));
+          }
         }};
   };
   return {topic, ros::message_traits::datatype<Message>(), description, advertise_it};
+}
+
+std::optional<sensor_msgs::Image> depthSigmaOf(const OutputFrame& frame) {
+  if (frame.result().disparity_sigma.empty()) {
+    frame.no_sigma("depth_sigma", "nothing is published");
+    return std::nullopt;
+  }
+  return toDepthSigmaImage(frame.result(), frame.geometry(), frame.header);
+}
+
+sensor_msgs::PointCloud2 cloudOf(const OutputFrame& frame, const CloudOptions& options) {
+  CloudSource source{toValidDisparity(frame.result(), frame.geometry()),
+                     frame.color(),
+                     frame.result().confidence,
+                     {}};
+  if (options.with_sigma) {
+    source.depth_sigma = toDepthSigma(frame.result(), frame.geometry());
+    if (source.depth_sigma.empty()) {
+      frame.no_sigma("points2", "the field sigma is NaN");
+    }
+  }
+  return toPointCloud(source, frame.geometry(), options, frame.header);
 }
 
 }  // namespace
@@ -52,9 +97,15 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              }),
       output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
              [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
+      output(
+          "depth_sigma",
+          "32FC1, standard deviation of `depth` in metres, if the disparity is right within 1 px "
+          "(`confidence` is the probability of that); NaN where there is no depth. Needs a forest "
+          "file with a second forest",
+          depthSigmaOf),
       output("depth_raw", "16UC1, Z in millimetres; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
-      output("camera_info", "Of `depth` and `depth_raw`: the rectified left camera",
+      output("camera_info", "Of `depth`, `depth_sigma` and `depth_raw`: the rectified left camera",
              [](const Frame& f) {
                return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
              }),
@@ -70,11 +121,7 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
       // After the images, because it may wait for colour.
       output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
-             [cloud_options](const Frame& f) {
-               const CloudSource source{toValidDisparity(f.result(), f.geometry()), f.color(),
-                                        f.result().confidence};
-               return toPointCloud(source, f.geometry(), cloud_options, f.header);
-             }),
+             [cloud_options](const Frame& f) { return cloudOf(f, cloud_options); }),
       output("status",
              "Time of each stage and age of the frame in milliseconds, frames processed and "
              "dropped, vertical offset in pixels",

@@ -21,6 +21,9 @@ struct OutputFrame {
   const ProcessedFrame& processed;
   std::function<cv::Mat()> color;    ///< of the left image, CV_8UC3 blue, green, red
   std::function<NodeState()> state;  ///< when it is asked for
+  /// Called with an output that wants the standard deviation, where the result holds none, and with
+  /// what that means for it.
+  std::function<void(const std::string& topic, const std::string& effect)> no_sigma;
 
   const StereoResult& result() const { return processed.result; }
   const StereoGeometry& geometry() const { return processed.geometry; }

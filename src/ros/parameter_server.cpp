@@ -20,10 +20,9 @@ namespace cbmv {
 namespace {
 
 /// Parameters of stereo_image_proc/disparity that nothing here corresponds to.
-constexpr std::array<const char*, 10> kStockOnly = {
-    "stereo_algorithm", "prefilter_size", "prefilter_cap", "correlation_window_size",
-    "uniqueness_ratio", "speckle_size",   "speckle_range", "texture_threshold",
-    "fullDP",           "disp12MaxDiff"};
+constexpr std::array<const char*, 8> kStockOnly = {
+    "stereo_algorithm", "prefilter_size",    "prefilter_cap", "correlation_window_size",
+    "uniqueness_ratio", "texture_threshold", "fullDP",        "disp12MaxDiff"};
 
 /// The list of dynamic_reconfigure::Config that holds parameters of type Value.
 template <typename Value>

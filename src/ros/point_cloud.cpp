@@ -11,19 +11,23 @@
 namespace cbmv {
 namespace {
 
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
 /// Where the fields of a point are, in bytes.
 struct Layout {
   std::uint32_t rgb;
   std::uint32_t confidence;
+  std::uint32_t sigma;
   std::uint32_t point_step;
 };
 
 /// The padding of 32 bytes a point is what PCL's types have.
 Layout layoutOf(const CloudOptions& options) {
   if (!options.compact) {
-    return {16, 20, 32};
+    return {16, 20, 24, 32};
   }
-  return {12, 16, options.with_confidence ? 20U : 16U};
+  const std::uint32_t sigma = options.with_confidence ? 20 : 16;
+  return {12, 16, sigma, options.with_sigma ? sigma + 4 : sigma};
 }
 
 void addField(const char* name, std::uint32_t offset, sensor_msgs::PointCloud2& cloud) {
@@ -47,6 +51,9 @@ sensor_msgs::PointCloud2 makeCloud(cv::Size size, const CloudOptions& options,
   if (options.with_confidence) {
     addField("confidence", layout.confidence, cloud);
   }
+  if (options.with_sigma) {
+    addField("sigma", layout.sigma, cloud);
+  }
   cloud.width = static_cast<std::uint32_t>(size.width);
   cloud.height = static_cast<std::uint32_t>(size.height);
   cloud.point_step = layout.point_step;
@@ -65,8 +72,13 @@ bool isInside(double z, const CloudOptions& options) {
 cv::Vec3f toPointInside(const StereoGeometry& geometry, const CloudOptions& options, int x, int y,
                         float disparity_px) {
   const cv::Vec3f point = toPoint(geometry, x, y, disparity_px);
-  return isInside(point[2], options) ? point
-                                     : cv::Vec3f::all(std::numeric_limits<float>::quiet_NaN());
+  return isInside(point[2], options) ? point : cv::Vec3f::all(kNone);
+}
+
+/// Of a pixel that has the point `point`.
+float sigmaOf(const CloudSource& source, const cv::Vec3f& point, int x, int y) {
+  const bool is_known = !source.depth_sigma.empty() && !std::isnan(point[2]);
+  return is_known ? source.depth_sigma.at<float>(y, x) : kNone;
 }
 
 }  // namespace
@@ -86,6 +98,10 @@ sensor_msgs::PointCloud2 toPointCloud(const CloudSource& source, const StereoGeo
       std::memcpy(bytes + layout.rgb, color[x].val, sizeof(color[x].val));
       if (options.with_confidence) {
         std::memcpy(bytes + layout.confidence, source.confidence.ptr<float>(y, x), sizeof(float));
+      }
+      if (options.with_sigma) {
+        const float sigma = sigmaOf(source, point, x, y);
+        std::memcpy(bytes + layout.sigma, &sigma, sizeof(sigma));
       }
     }
   }

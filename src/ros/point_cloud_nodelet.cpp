@@ -120,7 +120,7 @@ sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messa
       toGeometry(*messages.left_info, *messages.right_info, disparity.size(),
                  {color_topic, topics_[kFirstInfo], color_topic, topics_[kSecondInfo]});
   takeFocalLengthAndBaseline(*messages.disparity, geometry);
-  return toPointCloud({disparity, colorOf(messages, disparity.size()), {}}, geometry, options_,
+  return toPointCloud({disparity, colorOf(messages, disparity.size()), {}, {}}, geometry, options_,
                       messages.disparity->header);
 }
 

@@ -110,6 +110,9 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
   append(limitParameters(), table);
   table.push_back(
       {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
+  table.push_back({"points_sigma", false, 0, 0, "",
+                   "Give the points of the cloud a field `sigma`: `depth_sigma` of the point, in "
+                   "metres; NaN without a second forest"});
   table.push_back(
       {"unknown_arguments", std::string(), 0, 0, "",
        "Set by the launch files: arguments that they were given and do not have, a colon, those "

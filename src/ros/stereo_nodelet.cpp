@@ -127,6 +127,7 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
   const ros::NodeHandle& nh = getNodeHandle();
   CloudOptions cloud_options = readCloudOptions(parameters);
   cloud_options.with_confidence = parameters.get<bool>("points_confidence");
+  cloud_options.with_sigma = parameters.get<bool>("points_sigma");
 
   // Until all outputs are there, a subscriber that comes at once has to wait.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
@@ -248,8 +249,10 @@ void StereoNodelet::work(const StereoMessages& frame) {
     diagnostics_->processed(processed, ros::SteadyTime::now());
     warnOf(processed);
     const std_msgs::Header& header = frame.left_image->header;
-    outputs_->publish({header, processed, [&] { return colorOf(frame, processed); },
-                       [&] { return stateAt(header.stamp); }});
+    outputs_->publish(
+        {header, processed, [&] { return colorOf(frame, processed); },
+         [&] { return stateAt(header.stamp); },
+         [this](const auto& topic, const auto& effect) { warnOfNoSigma(topic, effect); }});
     diagnostics_->published(stateAt(header.stamp).age_ms, ros::SteadyTime::now());
   } catch (const InputError& error) {
     drop(FrameDrop::kBadInput, static_cast<int>(error.fault()), error.what());
@@ -290,6 +293,17 @@ cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame
   return toCloudColor(image, color_topic_, processed.left_gray, [this](const std::string& reason) {
     warn(kColorUnusable, "the cloud stays gray: " + reason);
   });
+}
+
+void StereoNodelet::warnOfNoSigma(const std::string& topic, const std::string& effect) {
+  if (without_sigma_.insert(topic).second) {
+    NODELET_WARN_STREAM(getNodeHandle().resolveName(topic)
+                        << ": " << effect << ", because the file " << forest_name_
+                        << " has no second forest, which tells the standard deviation. Expected a "
+                           "file with both forests. Set the parameter "
+                        << getPrivateNodeHandle().resolveName("forest")
+                        << " to one; cbmv_train writes such files.");
+  }
 }
 
 std::chrono::milliseconds StereoNodelet::colorPatience() {

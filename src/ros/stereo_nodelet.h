@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -63,6 +64,8 @@ class StereoNodelet : public nodelet::Nodelet {
   /// Logs an automatic range when it changes.
   void reportRange(const ProcessedFrame& processed);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
+  /// Warns once of an output that wants the standard deviation, which the forest does not tell.
+  void warnOfNoSigma(const std::string& topic, const std::string& effect);
   /// How long a colour image may come after the pair is matched.
   std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
@@ -78,6 +81,7 @@ class StereoNodelet : public nodelet::Nodelet {
   FollowedOffset offset_;
   FollowedRange range_;
   std::optional<DisparityRange> reported_range_;
+  std::set<std::string> without_sigma_;  ///< outputs that were warned of
 
   bool allow_different_frame_ids_ = true;
   StereoTopics topics_;

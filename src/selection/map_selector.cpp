@@ -1,14 +1,19 @@
 #include "cbmv_stereo/selection/map_selector.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "cbmv_stereo/refinement/median_filter.h"
+
 namespace cbmv {
 namespace {
 
+constexpr float kNoSigma = std::numeric_limits<float>::quiet_NaN();
 constexpr float kBytes = 255.0F;
+constexpr int kMedianSizePx = 3;
 
 bool isUnsure(std::uint8_t confidence) { return confidence < ConfidentNeighbors::kConfident; }
 
@@ -42,6 +47,10 @@ void MapSelector::select(const JudgedMaps& judged, bool fill, const SelectedMaps
       selectRow(judged, y, fill, maps, rows_.local());
     }
   });
+  if (evaluator_.has_value()) {
+    medianFilter(maps.disparity, judged.range, kMedianSizePx, median_padded_, filtered_);
+    filtered_.copyTo(maps.disparity);  // no swap: others may share the memory of the map
+  }
 }
 
 /// What the confidence forest says.
@@ -57,7 +66,7 @@ void MapSelector::fillRow(int y, float invalid, const SelectedMaps& maps) const 
     auto* sigma = maps.disparity_sigma.ptr<float>(y);
     for (int x = 0; x < maps.disparity.cols; ++x) {
       sigma[x] =
-          disparity[x] == invalid ? 0.0F : forest_->confidence->sigmaPx(bins[x], bytes[x]);
+          disparity[x] == invalid ? kNoSigma : forest_->confidence->sigmaPx(bins[x], bytes[x]);
     }
   }
 }

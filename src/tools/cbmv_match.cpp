@@ -106,6 +106,10 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
       toValidDisparity(frame.result.disparity, frame.result.range.invalid(),
                        frame.geometry.disparity_offset_px);
   writePfm(folder + "depth.pfm", toDepth(valid, frame.geometry));
+  if (!frame.result.disparity_sigma.empty()) {
+    writePfm(folder + "depth_sigma.pfm",
+             toDepthSigma(valid, frame.result.disparity_sigma, frame.geometry));
+  }
   writePly(folder + "cloud.ply", toPoints(valid, toColor8(left), frame.geometry));
 }
 
@@ -161,7 +165,8 @@ void match(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{
       "Matches a rectified pair: disparity and confidence as PFM and as color PNG; with a "
-      "calibration depth as PFM (m, NaN where there is none) and the cloud as PLY, too"};
+      "calibration depth as PFM (m, NaN where there is none), its standard deviation where the "
+      "forest tells it, and the cloud as PLY, too"};
   cbmv::Arguments arguments;
   app.add_option("left", arguments.left, "Left image file")->required();
   app.add_option("right", arguments.right, "Right image file")->required();

@@ -1,6 +1,7 @@
 #include "cbmv_stereo/output/points.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +47,24 @@ TEST(Points, DepthAndPlaceFollowTheFormula) {
   EXPECT_EQ(found, points.size());
   EXPECT_GT(found, 10U);
   EXPECT_LT(found, 26U);
+}
+
+TEST(Points, DepthSigmaFollowsTheFormula) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat disparity = (cv::Mat_<float>(2, 4) << 10, 2.5F, kNan, 0, -1, 4, 4, 4);
+  const cv::Mat sigma = (cv::Mat_<float>(2, 4) << 0.25F, 0.5F, 0.1F, 0.1F, 0.1F, kNan, 0, -1);
+  const cv::Mat depth = toDepth(disparity, kRig);
+  const cv::Mat depth_sigma = toDepthSigma(disparity, sigma, kRig);
+  ASSERT_EQ(depth_sigma.type(), CV_32FC1);
+  ASSERT_EQ(depth_sigma.size(), disparity.size());
+  for (int i = 0; i < 2; ++i) {  // of a step in disparity, to first order
+    const double z = depth.at<float>(0, i);
+    EXPECT_NEAR(depth_sigma.at<float>(0, i), z * z / (500 * 0.1) * sigma.at<float>(0, i), 1e-6 * z);
+  }
+  for (int i = 2; i < 8; ++i) {
+    EXPECT_TRUE(std::isnan(depth_sigma.at<float>(i / 4, i % 4))) << i;
+  }
+  EXPECT_THROW(toDepthSigma(disparity, sigma.row(0), kRig), cv::Exception);
 }
 
 }  // namespace

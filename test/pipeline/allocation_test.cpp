@@ -120,6 +120,7 @@ std::unique_ptr<StereoMatcher> makeMatcher(const Setup& setup, int search_levels
   StereoOptions options;
   readPreset(CBMV_SOURCE_DIR "/config/" + setup.preset + ".yaml", options);
   options.search.levels = search_levels;
+  options.refinement.speckle_size_px = 20;  // no preset has it
   options.range = range;
   return std::make_unique<StereoMatcher>(std::make_shared<Forest>(setup.forest), options);
 }

@@ -198,7 +198,8 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
       {"subpixel", false},
       {"median_size", 1},
       {"bilateral_sigma", 0.0},
-      {"bilateral_threshold", 0.2}};
+      {"bilateral_threshold", 0.2},
+      {"speckle_size", 1000}};
   for (const auto& [name, value] : changes) {
     EXPECT_FALSE(equal(disparity_with(name, value), usual)) << name;
   }

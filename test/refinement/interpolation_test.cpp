@@ -29,15 +29,31 @@ cv::Mat makeLabels(const cv::Size& size, Content content, int match_every, std::
   return labels;
 }
 
-float naiveOcclusion(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x) {
-  for (const int step : {-1, 1}) {
-    for (int column = x; isInside(labels, y, column); column += step) {
-      if (labels.at<std::uint8_t>(y, column) == kMatch) {
-        return disparity.at<float>(y, column);
-      }
+/// The disparity of the nearest match from x on, going by `step`; invalid without one.
+float nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x,
+                   int step) {
+  for (; isInside(labels, y, x); x += step) {
+    if (labels.at<std::uint8_t>(y, x) == kMatch) {
+      return disparity.at<float>(y, x);
     }
   }
   return invalid;
+}
+
+float naiveOcclusion(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x) {
+  const float background = nearestMatch(labels, disparity, invalid, y, x, -1);
+  if (background != invalid || nearestMatch(labels, disparity, invalid, y, x, 1) == invalid) {
+    return background;
+  }
+  std::vector<float> first;
+  for (int row = y - 4; row <= y + 4; ++row) {
+    const float match = nearestMatch(labels, disparity, invalid, row, 0, 1);
+    if (match != invalid) {
+      first.push_back(match);
+    }
+  }
+  std::sort(first.begin(), first.end());
+  return first[(first.size() - 1) / 2];
 }
 
 float naiveMismatch(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x) {

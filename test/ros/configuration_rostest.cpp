@@ -233,10 +233,10 @@ TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   wait(0.3);  // until the subscription stands
   StereoNodelet nodelet("stock_parameters_test");
   nodelet.parameters().setParam("P1", 200.0);
-  nodelet.parameters().setParam("speckle_size", 100);
+  nodelet.parameters().setParam("uniqueness_ratio", 15.0);
   ASSERT_TRUE(nodelet.load());
   EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/P1 is 200", "0 to 60"}));
-  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/speckle_size", "ignored"}));
+  EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/uniqueness_ratio", "ignored"}));
 }
 
 /// Publishes a pair to the inputs of a namespace until a message comes back; null if none does.
@@ -485,13 +485,15 @@ TEST(Points, LayoutIsTheParameters) {
   StereoNodelet nodelet("cloud_test");
   nodelet.parameters().setParam("points_compact", true);
   nodelet.parameters().setParam("points_confidence", true);
+  nodelet.parameters().setParam("points_sigma", true);
   nodelet.parameters().setParam("points_max_depth_m", 5);  // f T = 30: disparities from 6 px on
   ASSERT_TRUE(nodelet.load());
   const auto cloud = outputOf<sensor_msgs::PointCloud2>("cloud_test", "points2", changeNothing);
   ASSERT_TRUE(cloud);
-  EXPECT_EQ(cloud->point_step, 20U);
-  ASSERT_EQ(cloud->fields.size(), 5U);
+  EXPECT_EQ(cloud->point_step, 24U);
+  ASSERT_EQ(cloud->fields.size(), 6U);
   EXPECT_EQ(cloud->fields[4].name, "confidence");
+  EXPECT_EQ(cloud->fields[5].name, "sigma");
   const auto depth_at = [&](std::size_t x, std::size_t y) {
     float z = 0;
     std::memcpy(&z, &cloud->data[y * cloud->row_step + x * cloud->point_step + 8], sizeof(z));

@@ -462,6 +462,7 @@ StereoResult smallResult() {
   result.range = {-2, 8};
   result.disparity = (cv::Mat_<float>(2, 3) << -3, -2, 0.25F, 5, 3.5F, -3);
   result.confidence = (cv::Mat_<float>(2, 3) << 0, 0.125F, 0.25F, 0.5F, 0.75F, 1);
+  result.disparity_sigma = (cv::Mat_<float>(2, 3) << 0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F);
   return result;
 }
 
@@ -539,7 +540,7 @@ TEST(PointCloud, HasEveryField) {
   cv::Mat color(2, 3, CV_8UC3);
   cv::randu(color, 0, 256);
   const sensor_msgs::PointCloud2 cloud = toPointCloud(
-      {toValidDisparity(smallResult(), geometry), color, {}}, geometry, {}, someHeader());
+      {toValidDisparity(smallResult(), geometry), color, {}, {}}, geometry, {}, someHeader());
   EXPECT_EQ(cloud.header, someHeader());
   EXPECT_EQ(cloud.width, 3U);
   EXPECT_EQ(cloud.height, 2U);
@@ -584,8 +585,8 @@ TEST(PointCloud, InvalidPixelsStayMissingWhereTheInvalidValueIsPositive) {
   result.range = {5, 4};
   result.disparity = (cv::Mat_<float>(1, 2) << result.range.invalid(), 5);
   const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};
-  const auto cloud = toPointCloud({toValidDisparity(result, geometry), cv::Mat(1, 2, CV_8UC3), {}},
-                                  geometry, {}, {});
+  const auto cloud = toPointCloud(
+      {toValidDisparity(result, geometry), cv::Mat(1, 2, CV_8UC3), {}, {}}, geometry, {}, {});
   float z = 0;
   std::memcpy(&z, &cloud.data[8], sizeof(z));
   EXPECT_TRUE(std::isnan(z));
@@ -606,45 +607,61 @@ float fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string& name, st
   return 0;
 }
 
+/// Equal, or both not a number.
+void expectSameFloat(float found, float expected) {
+  EXPECT_TRUE(found == expected || (std::isnan(found) && std::isnan(expected)))
+      << found << ", expected " << expected;
+}
+
 TEST(PointCloud, LayoutsHoldTheSamePoints) {
   const StereoGeometry geometry = smallGeometry();
   const StereoResult result = smallResult();
   cv::Mat color(2, 3, CV_8UC3);
   cv::randu(color, 0, 256);
-  const CloudSource source{toValidDisparity(result, geometry), color, result.confidence};
+  const cv::Mat sigma = toDepthSigma(result, geometry);
+  const CloudSource source{toValidDisparity(result, geometry), color, result.confidence, sigma};
   const auto stock = toPointCloud(source, geometry, {}, someHeader());
   struct Case {
     bool compact;
     bool with_confidence;
+    bool with_sigma;
     std::uint32_t point_step;
-    std::uint32_t rgb;
-    std::uint32_t confidence;
+    std::vector<std::pair<std::string, std::uint32_t>> fields;
   };
-  for (const Case& wanted : {Case{true, false, 16, 12, 0}, Case{true, true, 20, 12, 16},
-                             Case{false, true, 32, 16, 20}}) {
+  for (const Case& wanted :
+       {Case{true, false, false, 16, {{"rgb", 12}}},
+        Case{true, true, false, 20, {{"rgb", 12}, {"confidence", 16}}},
+        Case{true, false, true, 20, {{"rgb", 12}, {"sigma", 16}}},
+        Case{true, true, true, 24, {{"rgb", 12}, {"confidence", 16}, {"sigma", 20}}},
+        Case{false, true, false, 32, {{"rgb", 16}, {"confidence", 20}}},
+        Case{false, false, true, 32, {{"rgb", 16}, {"sigma", 24}}},
+        Case{false, true, true, 32, {{"rgb", 16}, {"confidence", 20}, {"sigma", 24}}}}) {
     CloudOptions options;
     options.compact = wanted.compact;
     options.with_confidence = wanted.with_confidence;
+    options.with_sigma = wanted.with_sigma;
     const auto cloud = toPointCloud(source, geometry, options, someHeader());
     EXPECT_EQ(cloud.point_step, wanted.point_step);
     EXPECT_EQ(cloud.row_step, 3 * wanted.point_step);
     ASSERT_EQ(cloud.data.size(), 6U * wanted.point_step);
-    ASSERT_EQ(cloud.fields.size(), wanted.with_confidence ? 5U : 4U);
-    EXPECT_EQ(cloud.fields[3].offset, wanted.rgb);
-    if (wanted.with_confidence) {
-      EXPECT_EQ(cloud.fields[4].name, "confidence");
-      EXPECT_EQ(cloud.fields[4].offset, wanted.confidence);
-      EXPECT_EQ(cloud.fields[4].datatype, sensor_msgs::PointField::FLOAT32);
-      EXPECT_EQ(cloud.fields[4].count, 1U);
+    ASSERT_EQ(cloud.fields.size(), 3 + wanted.fields.size());
+    for (std::size_t i = 0; i < wanted.fields.size(); ++i) {
+      EXPECT_EQ(cloud.fields[3 + i].name, wanted.fields[i].first);
+      EXPECT_EQ(cloud.fields[3 + i].offset, wanted.fields[i].second);
+      EXPECT_EQ(cloud.fields[3 + i].datatype, sensor_msgs::PointField::FLOAT32);
+      EXPECT_EQ(cloud.fields[3 + i].count, 1U);
     }
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_EQ(std::memcmp(&cloud.data[i * wanted.point_step], &stock.data[i * 32], 12), 0);
-      EXPECT_EQ(
-          std::memcmp(&cloud.data[i * wanted.point_step + wanted.rgb], &stock.data[i * 32 + 16], 4),
-          0);
+      EXPECT_EQ(std::memcmp(&cloud.data[i * wanted.point_step + wanted.fields[0].second],
+                            &stock.data[i * 32 + 16], 4),
+                0);
       if (wanted.with_confidence) {
         EXPECT_EQ(fieldOf(cloud, "confidence", i),
                   result.confidence.at<float>(static_cast<int>(i)));
+      }
+      if (wanted.with_sigma) {
+        expectSameFloat(fieldOf(cloud, "sigma", i), sigma.at<float>(static_cast<int>(i)));
       }
     }
   }
@@ -653,7 +670,7 @@ TEST(PointCloud, LayoutsHoldTheSamePoints) {
 TEST(PointCloud, LimitsOfDepth) {
   const StereoGeometry geometry{120, 0.25, 0, 100, 90, 1, 1};            // f T = 30
   const cv::Mat disparity = (cv::Mat_<float>(1, 5) << 3, 5, 6, 10, 15);  // 10, 6, 5, 3, 2 m
-  const CloudSource source{disparity, cv::Mat(1, 5, CV_8UC3), {}};
+  const CloudSource source{disparity, cv::Mat(1, 5, CV_8UC3), {}, {}};
   const auto is_there = [&](const CloudOptions& options) {
     const auto cloud = toPointCloud(source, geometry, options, {});
     std::string there;
@@ -662,6 +679,22 @@ TEST(PointCloud, LimitsOfDepth) {
     }
     return there;
   };
+  const auto with_sigma = [&](const cv::Mat& sigma) {
+    CloudOptions options{3, 6, false, false, true};
+    const auto cloud = toPointCloud({disparity, source.color, {}, sigma}, geometry, options, {});
+    std::vector<float> values;
+    for (std::size_t i = 0; i < 5; ++i) {
+      values.push_back(fieldOf(cloud, "sigma", i));
+    }
+    return values;
+  };
+  const std::vector<float> sigma = with_sigma(cv::Mat(1, 5, CV_32FC1, cv::Scalar(0.5)));
+  const std::vector<float> unknown = with_sigma({});
+  for (std::size_t i = 0; i < 5; ++i) {
+    const bool is_inside = i > 0 && i < 4;
+    expectSameFloat(sigma[i], is_inside ? 0.5F : std::numeric_limits<float>::quiet_NaN());
+    EXPECT_TRUE(std::isnan(unknown[i]));
+  }
   EXPECT_EQ(is_there({}), "xxxxx");
   EXPECT_EQ(is_there({3, 6, false, false}), "-xxx-");
   EXPECT_EQ(is_there({0, 5.5, false, false}), "--xxx");
@@ -677,7 +710,7 @@ TEST(PointCloud, FarthestPlaneOfADenseDisparityStays) {
   const auto message = toDisparityImage(result, geometry, 1, {});
   for (const cv::Mat& disparity :
        {toValidDisparity(result, geometry), toValidDisparity(message, "/disparity")}) {
-    const auto cloud = toPointCloud({disparity, cv::Mat(2, 3, CV_8UC3), {}}, geometry, {}, {});
+    const auto cloud = toPointCloud({disparity, cv::Mat(2, 3, CV_8UC3), {}, {}}, geometry, {}, {});
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_FLOAT_EQ(fieldOf(cloud, "z", i), i == 4 ? 30.0F / 9 : 7.5F) << i;
     }
@@ -730,6 +763,35 @@ TEST(DepthImage, IsMetresAndNotANumberWhereThereIsNone) {
       EXPECT_FLOAT_EQ(depth, static_cast<float>(120 * 0.25 / (found - 1.5)));
     }
   }
+}
+
+TEST(DepthSigmaImage, IsMetresAndNotANumberWhereThereIsNoDepth) {
+  const StereoGeometry geometry = smallGeometry();
+  StereoResult result = smallResult();
+  const sensor_msgs::Image message = toDepthSigmaImage(result, geometry, someHeader());
+  const sensor_msgs::Image depths = toDepthImage(result, geometry, someHeader());
+  EXPECT_EQ(message.header, someHeader());
+  EXPECT_EQ(message.encoding, "32FC1");
+  EXPECT_EQ(message.width, 3U);
+  EXPECT_EQ(message.height, 2U);
+  EXPECT_EQ(message.step, 12U);
+  ASSERT_EQ(message.data.size(), 24U);
+  int known = 0;
+  for (int i = 0; i < 6; ++i) {
+    float depth = 0;
+    float sigma = 0;
+    std::memcpy(&depth, &depths.data[4 * static_cast<std::size_t>(i)], sizeof(depth));
+    std::memcpy(&sigma, &message.data[4 * static_cast<std::size_t>(i)], sizeof(sigma));
+    ASSERT_EQ(std::isnan(sigma), std::isnan(depth)) << i;
+    if (!std::isnan(depth)) {
+      ++known;
+      const double d = result.disparity.at<float>(i) - 1.5;
+      EXPECT_FLOAT_EQ(sigma, static_cast<float>(30 * result.disparity_sigma.at<float>(i) / d / d));
+    }
+  }
+  EXPECT_EQ(known, 2);
+  result.disparity_sigma.release();
+  EXPECT_TRUE(toDepthSigma(result, geometry).empty());
 }
 
 TEST(RawDepthImage, IsMillimetresAndZeroWhereThereIsNone) {

@@ -81,7 +81,7 @@ TEST(PresetParameters, AreThoseBehindTheVolume) {
   const std::vector<Parameter> parameters = presetParameters();
   ASSERT_EQ(parameters.size() + 9, stereoParameters().size());
   EXPECT_EQ(parameters.front().name, "cbca_arm_length");
-  EXPECT_EQ(parameters.back().name, "bilateral_threshold");
+  EXPECT_EQ(parameters.back().name, "speckle_range");
 }
 
 }  // namespace

@@ -20,6 +20,13 @@ cv::Mat toValidDisparity(const cv::Mat& disparity, float invalid, double dispari
 /// none, or the point lies at or beyond infinity.
 cv::Mat toDepth(const cv::Mat& valid_disparity, const StereoGeometry& geometry);
 
+/// Standard deviation of Z in m, CV_32FC1, of valid disparities d whose standard deviation is
+/// `disparity_sigma` (CV_32FC1, px, of the same size): Z² / (f B) times it, which is
+/// f B disparity_sigma / d². NaN where toDepth gives NaN, and where `disparity_sigma` is not above
+/// 0. Holds for inliers: see StereoResult::disparity_sigma.
+cv::Mat toDepthSigma(const cv::Mat& valid_disparity, const cv::Mat& disparity_sigma,
+                     const StereoGeometry& geometry);
+
 /// The point of pixel (x, y) in the left camera's optical frame, m:
 /// X = (x − cx) Z / fx, Y = (y − cy) Z / fy. NaN where `valid_disparity_px` is not above 0.
 cv::Vec3f toPoint(const StereoGeometry& geometry, int x, int y, float valid_disparity_px);

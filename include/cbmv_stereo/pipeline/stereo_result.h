@@ -34,9 +34,9 @@ struct StereoResult {
   /// whole-pixel disparity chosen by winner takes all, minus the cost of that one. kNoMargin
   /// (winner_takes_all.h) where there is no such hypothesis. Refinement does not change it.
   cv::Mat margin;
-  /// CV_32FC1, px, left view: standard deviation of the disparity of a pixel that is within 1 px of
-  /// the truth (confidence is the probability of that); 0 where there is no disparity. Empty
-  /// without a second forest.
+  /// CV_32FC1, px, left view: standard deviation of the disparity's error, given that the pixel is
+  /// an inlier (|error| ≤ 1 px; `confidence` is the probability of that). Above 0; NaN where there
+  /// is no disparity. Empty without a second forest.
   cv::Mat disparity_sigma;
   /// That the matcher needs for this pair, MB of 2^20 bytes (memory.h).
   double memory_mb = 0;

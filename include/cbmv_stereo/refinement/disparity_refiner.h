@@ -15,9 +15,9 @@ struct RefinedMaps {
   cv::Mat& confidence;       ///< CV_32FC1; becomes half where the check failed
 };
 
-/// The last steps on the winners of both views: left-right check, filling, median and bilateral
-/// filter. Filled pixels take sub-pixel disparities from their neighbours. Holds the memory of the
-/// filters, so one object serves one pair at a time. Parallel by oneTBB.
+/// Refinement of the winners of both views: left-right check, filling, median and bilateral filter.
+/// Filled pixels take sub-pixel disparities from their neighbours. Holds the memory
+/// of the filters, so one object serves one pair at a time. Parallel by oneTBB.
 class DisparityRefiner {
  public:
   /// `winners` are the left view's, in whole pixels.

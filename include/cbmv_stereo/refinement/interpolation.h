@@ -8,8 +8,10 @@ namespace cbmv {
 
 /// Occlusions belong to the background (Žbontar & LeCun 2016, section 4.3): each takes the
 /// disparity of the nearest match to its left on the row, which in the left view is the
-/// background's. The border strip that has no match to its left takes that of the nearest match to
-/// its right; rows without any match become range.invalid().
+/// background's. The border strip that has no match to its left takes the median of the first
+/// matches of nine rows around (the lower one of two; rows without a match or beyond the image do
+/// not count): one wrong first match leaves no streak. Rows without any match become
+/// range.invalid().
 ///
 /// `disparity` (CV_32FC1) is changed in place at pixels that `labels` (CV_8UC1 of Label) calls
 /// kOcclusion. Parallel over rows by oneTBB.

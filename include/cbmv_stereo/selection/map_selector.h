@@ -27,7 +27,8 @@ struct SelectedMaps {
 /// The confidence forest judges each pixel. Where it gives less than ConfidentNeighbors::kConfident,
 /// the nearest confident pixels on the left, on the right, above and below propose their
 /// disparities, and the selection forest judges these and the pixel's own. The most probable one is
-/// taken, the pixel's own on ties, and its probability becomes the confidence.
+/// taken, the pixel's own on ties, and its probability becomes the confidence. A median of 3 × 3 px
+/// removes what stands alone then.
 ///
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
 class MapSelector {
@@ -58,6 +59,8 @@ class MapSelector {
   MapConfidence confidence_;
   std::optional<ConfidenceEvaluator> evaluator_;  ///< of the selection forest
   ConfidencePlanes planes_;
+  cv::Mat median_padded_;
+  cv::Mat filtered_;
   PerThread<Row> rows_;
 };
 

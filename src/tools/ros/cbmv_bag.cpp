@@ -238,9 +238,10 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
                  "folder, else a bag")
       ->check(CLI::IsMember({"auto", "bag", "files", "kitti"}))
       ->capture_default_str();
-  app.add_option("--write", options.outputs,
-                 "Outputs, separated by commas: disparity, depth, depth_raw, camera_info, "
-                 "confidence, valid_mask, disparity_color, cloud")
+  app.add_option(
+         "--write", options.outputs,
+         "Outputs, separated by commas: disparity, depth, depth_sigma, depth_raw, camera_info, "
+         "confidence, valid_mask, disparity_color, cloud")
       ->delimiter(',')
       ->capture_default_str();
   addCompression(app, options.compression);
