@@ -21,7 +21,7 @@ struct NeighborRow {
 /// kConfident; a confident pixel is its own nearest one. Holds its memory from map to map.
 class ConfidentNeighbors {
  public:
-  static constexpr std::uint8_t kConfident = 153;  ///< of 255: 0.6
+  static constexpr std::uint8_t kConfident = 204;  ///< of 255: 0.8
   static constexpr std::int16_t kNoNeighbor = INT16_MIN;
 
   /// Memory for the neighbors on a row.
