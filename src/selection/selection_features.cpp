@@ -87,36 +87,52 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Adds one pixel of the pattern. All kBlock pixels, so that the loops have a fixed length; those
-/// beyond the row read the padding.
-HWY_INLINE void addPatternPixel(const std::int16_t* disparity, const std::int16_t* confidence,
-                                const SelectionFeatures::Proposals& proposals, Support& support) {
+namespace hn = hwy::HWY_NAMESPACE;
+using PixelTag = hn::CappedTag<std::int16_t, 16>;
+
+/// Of the pixels from `begin` on, as many as a vector has lanes. Those beyond the row read the
+/// padding.
+HWY_INLINE void findSupport(const PatternRows& rows, const SelectionFeatures::Proposals& proposals,
+                            int begin, Support& support) {
+  const PixelTag tag;
+  using V = hn::Vec<PixelTag>;
+  const V far = hn::Set(tag, kNear + 1);
+  const V one = hn::Set(tag, 1);
+  V total = hn::Zero(tag);
+  V proposal[kSources];
+  V count[kSources];
+  V weight[kSources];
+#pragma GCC unroll 8
   for (int p = 0; p < kSources; ++p) {
-    std::int16_t* count = support.count[p].data();
-    std::int16_t* weight = support.weight[p].data();
-    const std::int16_t* proposal = proposals[p].data();
-    for (int i = 0; i < kBlock; ++i) {
-      const auto lowest = static_cast<std::int16_t>(proposal[i] - kNear);
-      const auto highest = static_cast<std::int16_t>(proposal[i] + kNear);
-      const bool is_near = disparity[i] >= lowest && disparity[i] <= highest;
-      count[i] = static_cast<std::int16_t>(count[i] + (is_near ? 1 : 0));
-      weight[i] = static_cast<std::int16_t>(weight[i] + (is_near ? confidence[i] : 0));
+    proposal[p] = hn::LoadU(tag, proposals[p].data() + begin);
+    count[p] = weight[p] = hn::Zero(tag);
+  }
+  for (int dy = 0; dy < kPatternSide; ++dy) {
+    for (int dx = 0; dx < kPatternSide; ++dx) {
+      const int x = begin + (dx - kPatternSide / 2) * rows.step;
+      const V disparity = hn::LoadU(tag, rows.disparity[dy] + x);
+      const V confidence = hn::LoadU(tag, rows.confidence[dy] + x);
+      total = hn::Add(total, confidence);
+#pragma GCC unroll 8
+      for (int p = 0; p < kSources; ++p) {
+        const auto is_near = hn::Lt(hn::Abs(hn::SaturatedSub(disparity, proposal[p])), far);
+        count[p] = hn::Add(count[p], hn::IfThenElseZero(is_near, one));
+        weight[p] = hn::Add(weight[p], hn::IfThenElseZero(is_near, confidence));
+      }
     }
   }
-  for (int i = 0; i < kBlock; ++i) {
-    support.total_weight[i] = static_cast<std::int16_t>(support.total_weight[i] + confidence[i]);
+#pragma GCC unroll 8
+  for (int p = 0; p < kSources; ++p) {
+    hn::StoreU(count[p], tag, support.count[p].data() + begin);
+    hn::StoreU(weight[p], tag, support.weight[p].data() + begin);
   }
+  hn::StoreU(total, tag, support.total_weight.data() + begin);
 }
 
 void findSupport(const PatternRows& rows, const SelectionFeatures::Proposals& proposals,
                  Support& support) {
-  support = {};
-  for (int dy = 0; dy < kPatternSide; ++dy) {
-    for (int dx = 0; dx < kPatternSide; ++dx) {
-      const int offset = (dx - kPatternSide / 2) * rows.step;
-      addPatternPixel(rows.disparity[dy] + offset, rows.confidence[dy] + offset, proposals,
-                      support);
-    }
+  for (int begin = 0; begin < kBlock; begin += static_cast<int>(hn::Lanes(PixelTag()))) {
+    findSupport(rows, proposals, begin, support);
   }
 }
 
