@@ -83,18 +83,18 @@ TEST_F(ConversionTest, WritesWhatTheLiveNodePublishes) {
 
 TEST_F(ConversionTest, EveryOutputCanBeAskedFor) {
   writeRecording(input_, 1);
-  std::vector<std::string> names = offlineOutputNames();
-  if (processLive(recordedFrame(0)).result.disparity_sigma.empty()) {
-    names.erase(std::find(names.begin(), names.end(), "depth_sigma"));
-    options_.outputs = {"depth_sigma"};
-    EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"second forest", "--write"}));
-    options_.earlier = EarlierParts::kOverwrite;
-  }
-  options_.outputs = names;
+  options_.outputs = fixtureOutputs();
   convert(options_);
-  EXPECT_EQ(messagesOf(output_).size(), names.size());
+  EXPECT_EQ(messagesOf(output_).size(), fixtureOutputs().size());
   options_.outputs = {"disparity", "flow"};
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"'flow'", "disparity, depth"}));
+}
+
+TEST_F(ConversionTest, DepthSigmaNeedsASecondForest) {
+  writeRecording(input_, 1);
+  options_.outputs = {"disparity", "depth_sigma"};
+  EXPECT_TRUE(
+      mentions(errorText([&] { convert(options_); }), {"depth_sigma", "second forest", "--write"}));
 }
 
 TEST_F(ConversionTest, ThreadsChangeNothing) {

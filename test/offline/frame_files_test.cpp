@@ -53,7 +53,7 @@ std::map<std::string, std::string> filesIn(const std::string& folder) {
 class FrameFilesTest : public testing::Test {
  protected:
   FrameFilesTest() {
-    bag_.outputs = folder_options_.outputs = offlineOutputNames();
+    bag_.outputs = folder_options_.outputs = fixtureOutputs();
     folder_options_.files = DisparityFormat::kPfm;
     for (ConversionOptions* options : {&bag_, &folder_options_}) {  // some pixels have nothing
       options->matching.stereo.refinement.fill_occlusions = false;

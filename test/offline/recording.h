@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,8 +12,8 @@
 #include <rosbag/view.h>
 
 #include "offline/conversion.h"
-#include "support/forest_fixture.h"
 #include "ros/stereo_pair.h"
+#include "support/forest_fixture.h"
 #include "support/temporary_folder.h"
 
 namespace cbmv {
@@ -61,6 +62,13 @@ inline std::string writeRecordingWithABadFrame(const std::string& path) {
 
 inline std::shared_ptr<const Forest> fixtureForest() {
   return std::make_shared<const Forest>(makeForestFixture());
+}
+
+/// What can be asked for with it: it has no second forest, which depth_sigma needs.
+inline std::vector<std::string> fixtureOutputs() {
+  std::vector<std::string> names = offlineOutputNames();
+  names.erase(std::remove(names.begin(), names.end(), "depth_sigma"), names.end());
+  return names;
 }
 
 inline ConversionOptions conversionOf(const std::string& input, const std::string& output) {
