@@ -228,8 +228,11 @@ ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node)
   return node.as<double>();
 }
 
-void requirePresetSize(const std::string& path) {
+void requirePresetFile(const std::string& path) {
   std::error_code ignored;  // what cannot be opened is found so when it is read
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw Error("is a folder, expected a YAML file; give the path of one");
+  }
   if (std::filesystem::is_regular_file(path, ignored) &&
       std::filesystem::file_size(path, ignored) > kLargestPreset) {
     throw Error("is larger than " + std::to_string(kLargestPreset) + " bytes, so it is no preset");
@@ -292,7 +295,7 @@ std::vector<std::string> correctOptions(StereoOptions& options) {
 
 void readPreset(const std::string& path, StereoOptions& options) {
   try {
-    requirePresetSize(path);
+    requirePresetFile(path);
     const YAML::Node preset = YAML::LoadFile(path);
     if (!preset.IsMap()) {
       throw Error("is not a map from parameter names to values");

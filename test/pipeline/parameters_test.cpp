@@ -139,6 +139,7 @@ TEST(Preset, NamesFileAndKeyThatAreWrong) {
       readPreset(path, options);
     });
   };
+  EXPECT_THAT(read("/"), AllOf(HasSubstr("preset /:"), HasSubstr("folder")));
   EXPECT_THAT(read("/no/such.yaml"), AllOf(HasSubstr("/no/such.yaml"), HasSubstr("opened")));
   EXPECT_THAT(read(writePreset("P3: 1")), AllOf(HasSubstr("preset.yaml"), HasSubstr("P3")));
   EXPECT_THAT(read(writePreset("P1: many")), AllOf(HasSubstr("P1"), HasSubstr("a number")));
