@@ -206,8 +206,13 @@ void addRefinementParameters(ParameterTable& table) {
   table.add(
       "second_forest", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.second_forest; },
-      "Calibrate the confidence, and replace improbable disparities by those of confident "
-      "neighbors; needs a forest that holds a second one");
+      "Calibrated confidence and its standard deviation; needs a forest file that holds a second "
+      "forest");
+  table.add(
+      "replace_improbable", "", 0, 1,
+      [](Options& o) -> bool& { return o.refinement.replace_improbable; },
+      "Replace improbable disparities by those of confident neighbors, where the second forest "
+      "finds these more probable; needs second_forest");
   table.add(
       "speckle_size", "px", 0, 1000,
       [](Options& o) -> int& { return o.refinement.speckle_size_px; },

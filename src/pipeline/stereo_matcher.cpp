@@ -134,7 +134,8 @@ class StereoMatcher::Impl {
     const RefinementOptions& refinement = options.refinement;
     selector_->select({result.disparity, result.right_disparity, result.labels, result.confidence,
                        result.margin, result.range},
-                      refinement.fill_occlusions && refinement.fill_mismatches,
+                      {refinement.replace_improbable,
+                       refinement.fill_occlusions && refinement.fill_mismatches},
                       {result.disparity, result.confidence, result.disparity_sigma});
   }
 

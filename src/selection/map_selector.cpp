@@ -27,14 +27,16 @@ MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
   }
 }
 
-void MapSelector::select(const JudgedMaps& judged, bool fill, const SelectedMaps& maps) {
+void MapSelector::select(const JudgedMaps& judged, const SelectionSwitches& switches,
+                         const SelectedMaps& maps) {
+  const bool replaces = switches.replace && evaluator_.has_value();
   confidence_.estimate(judged);
   if (forest_->confidence->hasSigma()) {
     maps.disparity_sigma.create(maps.disparity.size(), CV_32FC1);
   } else {
     maps.disparity_sigma.release();
   }
-  if (evaluator_.has_value()) {
+  if (replaces) {
     planes_.prepare(confidence_.planes(), confidence_.confidence());
     rows_.prepare([&](Row& row) {
       row.features.resize(maps.disparity.cols);
@@ -43,11 +45,11 @@ void MapSelector::select(const JudgedMaps& judged, bool fill, const SelectedMaps
   }
   tbb::parallel_for(0, maps.disparity.rows, [&](int y) {
     fillRow(y, judged.range.invalid(), maps);
-    if (evaluator_.has_value()) {
-      selectRow(judged, y, fill, maps, rows_.local());
+    if (replaces) {
+      selectRow(judged, y, switches.fill, maps, rows_.local());
     }
   });
-  if (evaluator_.has_value()) {
+  if (replaces) {
     medianFilter(maps.disparity, judged.range, kMedianSizePx, median_padded_, filtered_);
     filtered_.copyTo(maps.disparity);  // no swap: others may share the memory of the map
   }

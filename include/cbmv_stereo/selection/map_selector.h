@@ -20,6 +20,12 @@ struct SelectedMaps {
   cv::Mat& disparity_sigma;  ///< CV_32FC1; becomes empty where the forest has no model of it
 };
 
+/// What MapSelector may change.
+struct SelectionSwitches {
+  bool replace = true;  ///< improbable disparities
+  bool fill = true;     ///< pixels without a disparity, too
+};
+
 /// Last stage: replaces disparities that are probably wrong by those of confident neighbors, and
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
@@ -37,10 +43,11 @@ class MapSelector {
   /// Throws Error if features differ (requireFeatures).
   explicit MapSelector(std::shared_ptr<const Forest> forest);
 
-  /// `maps` are those in `judged` and share their memory. Pixels without a disparity get one only
-  /// with `fill`; their confidence is 0 otherwise. Parallel over rows by oneTBB; the result depends
+  /// `maps` are those in `judged` and share their memory. The confidence of pixels without a
+  /// disparity is 0. Parallel over rows by oneTBB; the result depends
   /// neither on the instruction set nor on the number of threads nor on earlier pairs.
-  void select(const JudgedMaps& judged, bool fill, const SelectedMaps& maps);
+  void select(const JudgedMaps& judged, const SelectionSwitches& switches,
+              const SelectedMaps& maps);
 
  private:
   struct Row {
