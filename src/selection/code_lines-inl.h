@@ -31,20 +31,20 @@ HWY_INLINE std::int32_t compress(std::int32_t value) {
 /// A 25th of a sum over 5 × 5 pixels, rounded down, up to 2^16.
 HWY_INLINE std::int32_t meanOf25(std::int32_t sum) { return (sum * 10486) >> 18; }
 
-HWY_INLINE void codeBytes(const std::uint8_t* values, int count, std::int8_t* codes) {
+HWY_INLINE void codeBytes(const std::uint8_t* HWY_RESTRICT values, int count, std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
     codes[x] = asCode(values[x]);
   }
 }
 
-HWY_INLINE void codeMeans(const std::int32_t* sums, int count, std::int8_t* codes) {
+HWY_INLINE void codeMeans(const std::int32_t* HWY_RESTRICT sums, int count, std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
     codes[x] = asCode(meanOf25(sums[x]));
   }
 }
 
 /// Of values up to 255 per cell; `cells` begins at the first pixel's.
-HWY_INLINE void codeCells(const std::int32_t* cells, int count, std::int8_t* codes) {
+HWY_INLINE void codeCells(const std::int32_t* HWY_RESTRICT cells, int count, std::int8_t* HWY_RESTRICT codes) {
   const int whole = count / CellGrid::kCellPx;
   for (int cell = 0; cell < whole; ++cell) {
     const std::uint32_t four = static_cast<std::uint8_t>(asCode(cells[cell])) * 0x01010101U;
@@ -56,7 +56,7 @@ HWY_INLINE void codeCells(const std::int32_t* cells, int count, std::int8_t* cod
 }
 
 /// The same of margins.
-HWY_INLINE void codeCompressedCells(const std::int32_t* cells, int count, std::int8_t* codes) {
+HWY_INLINE void codeCompressedCells(const std::int32_t* HWY_RESTRICT cells, int count, std::int8_t* HWY_RESTRICT codes) {
   const int whole = count / CellGrid::kCellPx;
   for (int cell = 0; cell < whole; ++cell) {
     const std::uint32_t four =
@@ -69,8 +69,8 @@ HWY_INLINE void codeCompressedCells(const std::int32_t* cells, int count, std::i
 }
 
 /// Distance of disparities from the means of their cells.
-HWY_INLINE void codeCellDeviations(const std::int16_t* disparity, const std::int32_t* cells,
-                                   int count, std::int8_t* codes) {
+HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity, const std::int32_t* HWY_RESTRICT cells,
+                                   int count, std::int8_t* HWY_RESTRICT codes) {
   constexpr int kCell = CellGrid::kCellPx;
   const int whole = count / kCell;
   for (int cell = 0; cell < whole; ++cell) {
@@ -85,7 +85,7 @@ HWY_INLINE void codeCellDeviations(const std::int16_t* disparity, const std::int
 }
 
 /// Column of the match relative to the left border of the right image; `x` is the first pixel's.
-HWY_INLINE void codeBorder(const std::int16_t* disparity, int x, int count, std::int8_t* codes) {
+HWY_INLINE void codeBorder(const std::int16_t* HWY_RESTRICT disparity, int x, int count, std::int8_t* HWY_RESTRICT codes) {
   for (int i = 0; i < count; ++i) {
     const std::int32_t inside = x + i - (disparity[i] >> 3) + 5;
     codes[i] = asCode(3 * std::min(std::max(inside, 0), 84));

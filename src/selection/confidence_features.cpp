@@ -77,19 +77,32 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-void codeMargins(const Block& block) {
-  for (int x = 0; x < block.count; ++x) {
-    block.codes[kMargin][x] = asCode(compress(block.margin[x]));
-    block.codes[kMargin5][x] = asCode(compress(meanOf25(block.margin_sums[x])));
+void codeMargins(const std::uint16_t* HWY_RESTRICT margins, int count,
+                 std::int8_t* HWY_RESTRICT codes) {
+  for (int x = 0; x < count; ++x) {
+    codes[x] = asCode(compress(margins[x]));
+  }
+}
+
+void codeMeanMargins(const std::int32_t* HWY_RESTRICT sums, int count,
+                     std::int8_t* HWY_RESTRICT codes) {
+  for (int x = 0; x < count; ++x) {
+    codes[x] = asCode(compress(meanOf25(sums[x])));
+  }
+}
+
+void codeDeviations5(const std::int16_t* HWY_RESTRICT disparity,
+                     const std::int32_t* HWY_RESTRICT sums, int count,
+                     std::int8_t* HWY_RESTRICT codes) {
+  constexpr int kHighest = 25 * kHighestMargin;
+  for (int x = 0; x < count; ++x) {
+    const std::int32_t deviation = std::abs(25 * disparity[x] - sums[x]);
+    codes[x] = asCode(compress(meanOf25(std::min(deviation, kHighest))));
   }
 }
 
 void codeDeviations(const Block& block) {
-  constexpr int kHighest = 25 * kHighestMargin;
-  for (int x = 0; x < block.count; ++x) {
-    const std::int32_t deviation = std::abs(25 * block.disparity[x] - block.disparity_sums[x]);
-    block.codes[kDeviation5][x] = asCode(compress(meanOf25(std::min(deviation, kHighest))));
-  }
+  codeDeviations5(block.disparity, block.disparity_sums, block.count, block.codes[kDeviation5]);
   codeCellDeviations(block.disparity, block.cells[0].disparity, block.count,
                      block.codes[kDeviation12]);
   codeCellDeviations(block.disparity, block.cells[1].disparity, block.count,
@@ -107,7 +120,8 @@ void codeBlock(const Block& block) {
   codeMeans(block.unmatched_sums, count, block.codes[kUnmatched5]);
   codeMeans(block.probability_sums, count, block.codes[kProbability5]);
   codeMeans(block.roughness_sums, count, block.codes[kRoughness5]);
-  codeMargins(block);
+  codeMargins(block.margin, count, block.codes[kMargin]);
+  codeMeanMargins(block.margin_sums, count, block.codes[kMargin5]);
   codeDeviations(block);
   codeCells(block.cells[0].unmatched, count, block.codes[kUnmatched12]);
   codeCells(block.cells[0].probability, count, block.codes[kProbability12]);

@@ -54,45 +54,75 @@ HWY_INLINE std::int32_t planeUnits(float disparity) {
 }
 
 /// Steps from each pixel to the one on its right and the one below.
-void fillRoughness(const PlaneRow& row) {
-  for (int x = 0; x < row.width; ++x) {
-    const int right = std::min(x + 1, row.width - 1);
-    const float step = std::abs(row.disparity[right] - row.disparity[x]) +
-                       std::abs(row.disparity_below[x] - row.disparity[x]);
+void fillRoughness(const float* HWY_RESTRICT disparity, const float* HWY_RESTRICT below, int width,
+                   std::uint8_t* HWY_RESTRICT roughness) {
+  const auto fill = [=](int x, int right) HWY_ATTR {
+    const float step = std::abs(disparity[right] - disparity[x]) + std::abs(below[x] - disparity[x]);
     const auto units = static_cast<std::int32_t>(
         std::min(step * kPlaneUnitsPerPx, static_cast<float>(kHighestStep)));
-    row.roughness[x] = static_cast<std::uint8_t>(units * kRoughnessPerUnit);
+    roughness[x] = static_cast<std::uint8_t>(units * kRoughnessPerUnit);
+  };
+  for (int x = 0; x + 1 < width; ++x) {
+    fill(x, x + 1);
   }
+  fill(width - 1, width - 1);
 }
 
-void fillLeftRight(const PlaneRow& row) {
-  if (row.right_disparity == nullptr) {
-    std::fill_n(row.left_right, row.width, std::uint8_t{kUnknownDifference});
-    return;
-  }
-  for (int x = 0; x < row.width; ++x) {
-    const int match = x - ((row.plane[x] + kPlaneUnitsPerPx / 2) >> 3);
-    const int column = std::clamp(match, 0, row.width - 1);
-    const float other = row.right_disparity[column];
+void fillLeftRight(const float* HWY_RESTRICT disparity, const float* HWY_RESTRICT right,
+                   float right_invalid, int width, std::uint8_t* HWY_RESTRICT left_right) {
+  for (int x = 0; x < width; ++x) {
+    const int match = x - ((planeUnits(disparity[x]) + kPlaneUnitsPerPx / 2) >> 3);
+    const int column = std::min(std::max(match, 0), width - 1);
+    const float other = right[column];
     const float difference =
-        std::min(std::abs(row.disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
-    const bool is_known = match == column && other != row.right_invalid;
-    row.left_right[x] =
+        std::min(std::abs(disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
+    const bool is_known = (match == column) & (other != right_invalid);
+    left_right[x] =
         static_cast<std::uint8_t>(is_known ? static_cast<int>(difference) : kUnknownDifference);
   }
 }
 
-void fillPlanes(const PlaneRow& row) {
-  for (int x = 0; x < row.width; ++x) {
-    const bool is_unmatched = row.labels[x] != 0;
-    row.unmatched[x] = static_cast<std::uint8_t>(is_unmatched ? kUnmatchedCode : 0);
-    row.probability_out[x] =
-        static_cast<std::uint8_t>(static_cast<std::int32_t>(row.probability[x] * 255.0F + 0.5F));
-    row.margin[x] = std::min<std::uint16_t>(row.margin_in[x], kHighestMargin);
-    row.plane[x] = static_cast<std::int16_t>(planeUnits(row.disparity[x]));
+void fillUnmatched(const std::uint8_t* HWY_RESTRICT labels, int width,
+                   std::uint8_t* HWY_RESTRICT unmatched) {
+  for (int x = 0; x < width; ++x) {
+    unmatched[x] = static_cast<std::uint8_t>(labels[x] != 0 ? kUnmatchedCode : 0);
   }
-  fillRoughness(row);
-  fillLeftRight(row);
+}
+
+void fillProbability(const float* HWY_RESTRICT probability, int width,
+                     std::uint8_t* HWY_RESTRICT bytes) {
+  for (int x = 0; x < width; ++x) {
+    bytes[x] =
+        static_cast<std::uint8_t>(static_cast<std::int32_t>(probability[x] * 255.0F + 0.5F));
+  }
+}
+
+void fillMargin(const std::uint16_t* HWY_RESTRICT margin, int width,
+                std::uint16_t* HWY_RESTRICT limited) {
+  for (int x = 0; x < width; ++x) {
+    limited[x] = std::min<std::uint16_t>(margin[x], kHighestMargin);
+  }
+}
+
+void fillDisparity(const float* HWY_RESTRICT disparity, int width,
+                   std::int16_t* HWY_RESTRICT units) {
+  for (int x = 0; x < width; ++x) {
+    units[x] = static_cast<std::int16_t>(planeUnits(disparity[x]));
+  }
+}
+
+void fillPlanes(const PlaneRow& row) {
+  fillUnmatched(row.labels, row.width, row.unmatched);
+  fillProbability(row.probability, row.width, row.probability_out);
+  fillMargin(row.margin_in, row.width, row.margin);
+  fillDisparity(row.disparity, row.width, row.plane);
+  fillRoughness(row.disparity, row.disparity_below, row.width, row.roughness);
+  if (row.right_disparity == nullptr) {
+    std::fill_n(row.left_right, row.width, std::uint8_t{kUnknownDifference});
+  } else {
+    fillLeftRight(row.disparity, row.right_disparity, row.right_invalid, row.width,
+                  row.left_right);
+  }
 }
 
 }  // namespace

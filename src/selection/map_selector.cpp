@@ -31,6 +31,7 @@ void MapSelector::select(const JudgedMaps& judged, const SelectionSwitches& swit
                          const SelectedMaps& maps) {
   const bool replaces = switches.replace && evaluator_.has_value();
   confidence_.estimate(judged);
+  no_disparity_ = static_cast<int>(judged.range.invalid()) * kPlaneUnitsPerPx;
   if (forest_->confidence->hasSigma()) {
     maps.disparity_sigma.create(maps.disparity.size(), CV_32FC1);
   } else {
@@ -85,46 +86,76 @@ void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const Se
       confidence_.planes(), planes_,
       judged.right_disparity.empty() ? nullptr : judged.right_disparity.ptr<float>(y),
       judged.range.invalid(), y);
-  const auto* disparity = maps.disparity.ptr<float>(y);
+  row.blocks = 0;
   for (int x = 0; x < width; x += kBlock) {
     const int count = std::min(kBlock, width - x);
     if (std::none_of(bytes + x, bytes + x + count, isUnsure)) {
       continue;
     }
-    row.features.code(x, count, row.proposals, row.codes);
-    evaluator_->score(row.codes, kBlock * (kSources - 1) + count, row.scores.data());
+    SelectionFeatures::Proposals& proposals = row.proposals[row.blocks];
+    row.features.propose(x, count, proposals);
+    bool changes = false;
+    for (int i = 0; i < count && !changes; ++i) {
+      changes = canChange(y, x + i, proposals, fill, i);
+    }
+    if (!changes) {
+      continue;
+    }
+    row.features.code(x, count, proposals, row.blocks, row.codes);
+    row.first_pixels[row.blocks] = x;
+    if (++row.blocks == SelectionFeatures::kSlots) {
+      chooseInBlocks(y, fill, maps, row);
+    }
+  }
+  chooseInBlocks(y, fill, maps, row);
+}
+
+/// Is there anything to choose for pixel `i` of a block, the one in column `x`?
+bool MapSelector::canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
+                            int i) const {
+  if (!isUnsure(confidence_.confidence().at<std::uint8_t>(y, x)) ||
+      (!fill && !hasDisparity(proposals[0][i]))) {
+    return false;
+  }
+  bool is_any_new = false;
+  for (int p = 1; p < kSources; ++p) {
+    is_any_new = is_any_new || SelectionFeatures::isNew(proposals, p, i);
+  }
+  return is_any_new;
+}
+
+void MapSelector::chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row& row) const {
+  if (row.blocks == 0) {
+    return;
+  }
+  evaluator_->score(row.codes, SelectionFeatures::query(kSources, 0, 0), row.scores.data());
+  for (int block = 0; block < row.blocks; ++block) {
+    const int x = row.first_pixels[block];
+    const int count = std::min(SelectionFeatures::kBlock, maps.disparity.cols - x);
     for (int i = 0; i < count; ++i) {
-      const bool has_disparity = disparity[x + i] != judged.range.invalid();
-      if (isUnsure(bytes[x + i]) && (fill || has_disparity)) {
-        choose(y, x + i, row, i, has_disparity, maps);
+      if (canChange(y, x + i, row.proposals[block], fill, i)) {
+        choose(y, row, block, i, maps);
       }
     }
   }
+  row.blocks = 0;
 }
 
-/// Proposals within 1 px of the pixel's own disparity say nothing new.
-void MapSelector::choose(int y, int x, const Row& row, int i, bool has_disparity,
-                         const SelectedMaps& maps) const {
-  constexpr int kBlock = SelectionFeatures::kBlock;
-  const int own = row.proposals[0][i];
-  int best = has_disparity ? 0 : -1;
+void MapSelector::choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const {
+  const SelectionFeatures::Proposals& proposals = row.proposals[block];
+  const auto score = [&](int p) { return row.scores[SelectionFeatures::query(p, block, i)]; };
+  int best = hasDisparity(proposals[0][i]) ? 0 : -1;
   for (int p = 1; p < kSources; ++p) {
-    const int proposal = row.proposals[p][i];
-    const bool is_new = proposal != ConfidentNeighbors::kNoNeighbor &&
-                        (!has_disparity || std::abs(proposal - own) > kPlaneUnitsPerPx);
-    if (is_new &&
-        (best < 0 || row.scores[p * kBlock + i] > row.scores[best * kBlock + i])) {
+    if (SelectionFeatures::isNew(proposals, p, i) && (best < 0 || score(p) > score(best))) {
       best = p;
     }
   }
-  if (best < 0) {
-    return;
-  }
-  const std::uint8_t byte = evaluator_->probabilityByte(row.scores[best * kBlock + i]);
+  const int x = row.first_pixels[block] + i;
+  const std::uint8_t byte = evaluator_->probabilityByte(score(best));
   maps.confidence.at<float>(y, x) = static_cast<float>(byte) / kBytes;
   if (best != 0) {
     maps.disparity.at<float>(y, x) =
-        static_cast<float>(row.proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);
+        static_cast<float>(proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);
   }
   if (!maps.disparity_sigma.empty()) {
     maps.disparity_sigma.at<float>(y, x) = forest_->confidence->sigmaPx(

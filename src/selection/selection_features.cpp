@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #ifndef CBMV_SELECTION_FEATURES_ONCE
 #define CBMV_SELECTION_FEATURES_ONCE
@@ -32,6 +33,10 @@ enum ProposalFeature {
   kFeatures
 };
 
+/// Of the pixel, whatever is proposed.
+constexpr std::array<int, 7> kSharedFeatures = {kConfidence,  kConfidence5, kConfidence12,
+                                                kConfidence20, kUnmatched,   kUnmatched5,
+                                                kProbability5};
 constexpr int kPatternSide = 5;
 constexpr int kCodePerSource = 60;
 constexpr int kBlock = SelectionFeatures::kBlock;
@@ -57,7 +62,6 @@ struct ProposalBlock {
   int x;
   int count;
   int width;
-  const std::int16_t* disparity;
   const std::uint8_t* confidence;
   const std::uint8_t* unmatched;
   const std::int32_t* confidence_sums;
@@ -141,31 +145,53 @@ HWY_INLINE std::int32_t weightedSupport(std::int32_t weight, std::int32_t total)
                                    static_cast<float>(std::max(total, 1)));
 }
 
-void codeSupport(const Support& support, int source, int count, std::int8_t* plain,
-                 std::int8_t* weighted) {
-  for (int i = 0; i < count; ++i) {
-    plain[i] = asCode(10 * support.count[source][i]);
-    weighted[i] = asCode(weightedSupport(support.weight[source][i], support.total_weight[i]));
+// All kBlock pixels at once in what follows, so that the loops have a fixed length: codes of pixels
+// beyond the row mean nothing.
+
+void codeCounts(const std::int16_t* HWY_RESTRICT support, std::int8_t* HWY_RESTRICT codes) {
+  for (int i = 0; i < kBlock; ++i) {
+    codes[i] = asCode(10 * support[i]);
   }
 }
 
-void codeProposals(const ProposalBlock& block, const std::int16_t* proposals,
-                   std::int8_t* const* codes) {
-  for (int i = 0; i < block.count; ++i) {
-    const std::int32_t change = (proposals[i] - block.disparity[i]) >> 3;
-    codes[kChange][i] = asCode(std::min(std::max(change + 128, 0), 255));
+void codeWeights(const std::int16_t* HWY_RESTRICT weights, const std::int16_t* HWY_RESTRICT totals,
+                 std::int8_t* HWY_RESTRICT codes) {
+  for (int i = 0; i < kBlock; ++i) {
+    codes[i] = asCode(weightedSupport(weights[i], totals[i]));
   }
-  codeBorder(proposals, block.x, block.count, codes[kBorder]);
-  for (int i = 0; i < block.count; ++i) {
-    std::int32_t code = 255;
-    const int match = block.x + i - ((proposals[i] + kPlaneUnitsPerPx / 2) >> 3);
-    if (block.right_disparity != nullptr && match >= 0 && match < block.width) {
-      const float other = block.right_disparity[match];
-      const float own = static_cast<float>(proposals[i]) / kPlaneUnitsPerPx;
-      const float difference = std::min(std::abs(own - other) * kPlaneUnitsPerPx, 254.0F);
-      code = other == block.right_invalid ? 255 : static_cast<std::int32_t>(difference);
-    }
-    codes[kLeftRight][i] = asCode(code);
+}
+
+void codeSupport(const Support& support, int source, std::int8_t* plain, std::int8_t* weighted) {
+  codeCounts(support.count[source].data(), plain);
+  codeWeights(support.weight[source].data(), support.total_weight.data(), weighted);
+}
+
+void codeLeftRight(const ProposalBlock& block, const std::int16_t* HWY_RESTRICT proposals,
+                   std::int8_t* HWY_RESTRICT codes) {
+  const int first = block.x;
+  const int last_column = block.width - 1;
+  const float* HWY_RESTRICT right = block.right_disparity;
+  const float invalid = block.right_invalid;
+  if (right == nullptr) {
+    std::fill_n(codes, kBlock, asCode(255));
+    return;
+  }
+  for (int i = 0; i < kBlock; ++i) {
+    const std::int32_t match = first + i - ((proposals[i] + kPlaneUnitsPerPx / 2) >> 3);
+    const std::int32_t column = std::min(std::max(match, 0), last_column);
+    const float other = right[column];
+    const float own = static_cast<float>(proposals[i]);
+    const float difference = std::min(std::abs(own - other * kPlaneUnitsPerPx), 254.0F);
+    const bool is_known = (match == column) & (other != invalid);
+    codes[i] = asCode(is_known ? static_cast<std::int32_t>(difference) : 255);
+  }
+}
+
+void codeChange(const std::int16_t* HWY_RESTRICT own, const std::int16_t* HWY_RESTRICT proposals,
+                std::int8_t* HWY_RESTRICT codes) {
+  for (int i = 0; i < kBlock; ++i) {
+    const std::int32_t change = (proposals[i] - own[i]) >> 1;
+    codes[i] = asCode(std::min(std::max(change + 128, 0), 255));
   }
 }
 
@@ -180,29 +206,38 @@ void codePixels(const ProposalBlock& block, std::int8_t* const* codes) {
   codeMeans(block.probability_sums, block.count, codes[kProbability5]);
 }
 
+/// The first query of a source in the line of a feature.
+HWY_INLINE std::int8_t* ofSource(std::int8_t* line, int source) {
+  return line + SelectionFeatures::query(source, 0, 0);
+}
+
 void codeBlock(const ProposalBlock& block, const SelectionFeatures::Proposals& proposals,
-               std::int8_t* const* first_codes) {
+               std::int8_t* const* lines) {
   Support near;
   Support far;
   findSupport(block.near, proposals, near);
   findSupport(block.far, proposals, far);
+  codePixels(block, lines);
   for (int p = 0; p < kSources; ++p) {
-    std::array<std::int8_t*, kFeatures> codes{};
-    for (int f = 0; f < kFeatures; ++f) {
-      codes[f] = first_codes[f] + p * kBlock;
-    }
-    codePixels(block, codes.data());
-    codeProposals(block, proposals[p].data(), codes.data());
-    std::fill_n(codes[kSource], block.count, asCode(kCodePerSource * p));
+    const std::int16_t* proposal = proposals[p].data();
+    codeChange(proposals[0].data(), proposal, ofSource(lines[kChange], p));
+    codeBorder(proposal, block.x, kBlock, ofSource(lines[kBorder], p));
+    codeLeftRight(block, proposal, ofSource(lines[kLeftRight], p));
+    codeSupport(near, p, ofSource(lines[kSupport5], p), ofSource(lines[kWeightedSupport5], p));
+    codeSupport(far, p, ofSource(lines[kSupport17], p), ofSource(lines[kWeightedSupport17], p));
+    std::fill_n(ofSource(lines[kSource], p), kBlock, asCode(kCodePerSource * p));
     if (block.distances[p] == nullptr) {
-      std::fill_n(codes[kDistance], block.count, asCode(0));
+      std::fill_n(ofSource(lines[kDistance], p), kBlock, asCode(0));
     } else {
-      codeBytes(block.distances[p], block.count, codes[kDistance]);
+      codeBytes(block.distances[p], block.count, ofSource(lines[kDistance], p));
     }
-    codeSupport(near, p, block.count, codes[kSupport5], codes[kWeightedSupport5]);
-    codeSupport(far, p, block.count, codes[kSupport17], codes[kWeightedSupport17]);
-    std::copy_n(first_codes[kSupport5], block.count, codes[kOwnSupport5]);
-    std::copy_n(first_codes[kWeightedSupport17], block.count, codes[kOwnWeightedSupport17]);
+    std::memcpy(ofSource(lines[kOwnSupport5], p), lines[kSupport5], kBlock);
+    std::memcpy(ofSource(lines[kOwnWeightedSupport17], p), lines[kWeightedSupport17], kBlock);
+  }
+  for (const int f : kSharedFeatures) {
+    for (int p = 1; p < kSources; ++p) {
+      std::memcpy(ofSource(lines[f], p), lines[f], kBlock);
+    }
   }
 }
 
@@ -270,7 +305,19 @@ void SelectionFeatures::startRow(const MapPlanes& planes, const ConfidencePlanes
   confidence.neighbors.findOnRow(y, neighbors_);
 }
 
-void SelectionFeatures::code(int x, int count, Proposals& proposals, ConfidenceCodes& codes) {
+void SelectionFeatures::propose(int x, int count, Proposals& proposals) const {
+  const std::array<const std::int16_t*, kSources> sources = {
+      planes_->disparity.ptr<std::int16_t>(y_, x), &neighbors_.left[x], &neighbors_.right[x],
+      confidence_->neighbors.above(y_).disparity + x,
+      confidence_->neighbors.below(y_).disparity + x};
+  for (int p = 0; p < kSources; ++p) {
+    std::copy_n(sources[p], count, proposals[p].data());
+    std::fill_n(proposals[p].data() + count, kBlock - count, ConfidentNeighbors::kNoNeighbor);
+  }
+}
+
+void SelectionFeatures::code(int x, int count, const Proposals& proposals, int slot,
+                             ConfidenceCodes& codes) const {
   const auto cell = [&](const cv::Mat& means) {
     return means.ptr<std::int32_t>(y_ / CellGrid::kCellPx, x / CellGrid::kCellPx);
   };
@@ -284,21 +331,10 @@ void SelectionFeatures::code(int x, int count, Proposals& proposals, ConfidenceC
     }
     return rows;
   };
-  const NeighborRow above = confidence_->neighbors.above(y_);
-  const NeighborRow below = confidence_->neighbors.below(y_);
-  const auto* disparity = planes_->disparity.ptr<std::int16_t>(y_, x);
-  const std::array<const std::int16_t*, kSources> sources = {
-      disparity, &neighbors_.left[x], &neighbors_.right[x], above.disparity + x,
-      below.disparity + x};
-  for (int p = 0; p < kSources; ++p) {
-    std::copy_n(sources[p], count, proposals[p].data());
-    std::fill_n(proposals[p].data() + count, kBlock - count, ConfidentNeighbors::kNoNeighbor);
-  }
   const ProposalBlock block{
       x,
       count,
       planes_->disparity.cols,
-      disparity,
       confidence_->confidence.ptr<std::uint8_t>(y_, x),
       planes_->unmatched.ptr<std::uint8_t>(y_, x),
       confidence_sums_ + x,
@@ -307,13 +343,14 @@ void SelectionFeatures::code(int x, int count, Proposals& proposals, ConfidenceC
       {cell(confidence_->cell_means[0]), cell(confidence_->cell_means[1])},
       right_disparity_,
       right_invalid_,
-      {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x], above.distance + x,
-       below.distance + x},
+      {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x],
+       confidence_->neighbors.above(y_).distance + x,
+       confidence_->neighbors.below(y_).distance + x},
       pattern(1),
       pattern(4)};
   std::array<std::int8_t*, kFeatures> lines{};
   for (int f = 0; f < kFeatures; ++f) {
-    lines[f] = codes.line(f);
+    lines[f] = codes.line(f) + query(0, slot, 0);
   }
   HWY_DYNAMIC_DISPATCH(codeBlock)(block, proposals, lines.data());
 }

@@ -133,7 +133,8 @@ void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& co
     for (const int x : drawn[y]) {
       const int first = x / CellGrid::kCellPx * CellGrid::kCellPx;
       const int i = x - first;
-      features.code(first, i + 1, proposals, codes);
+      features.propose(first, i + 1, proposals);
+      features.code(first, i + 1, proposals, 0, codes);
       for (int p = 0; p < kSources; ++p) {
         const int proposal = proposals[p][i];
         if (proposal == ConfidentNeighbors::kNoNeighbor || !isNew(proposals, p, i)) {
@@ -141,7 +142,7 @@ void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& co
         }
         const float proposed = p == 0 ? disparity.at<float>(y, x)
                                       : static_cast<float>(proposal) / kPlaneUnitsPerPx;
-        appendQuery(codes, p * SelectionFeatures::kBlock + i,
+        appendQuery(codes, SelectionFeatures::query(p, 0, i),
                     isCorrect(proposed, scene.truth.at<float>(y, x)), band.contains(y), samples);
       }
     }

@@ -32,8 +32,9 @@ struct SelectionSwitches {
 ///
 /// The confidence forest judges each pixel. Where it gives less than ConfidentNeighbors::kConfident,
 /// the nearest confident pixels on the left, on the right, above and below propose their
-/// disparities, and the selection forest judges these and the pixel's own. The most probable one is
-/// taken, the pixel's own on ties, and its probability becomes the confidence. A median of 3 × 3 px
+/// disparities. Where one is more than 1 px from the pixel's own, the selection forest judges them
+/// all. The most probable one is taken, the pixel's own on ties, and its probability becomes the
+/// confidence. A median of 3 × 3 px
 /// removes what stands alone then.
 ///
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
@@ -50,22 +51,29 @@ class MapSelector {
               const SelectedMaps& maps);
 
  private:
+  /// Memory for a row: some blocks of pixels that are judged at once.
   struct Row {
     SelectionFeatures features;
-    SelectionFeatures::Proposals proposals{};
+    std::array<SelectionFeatures::Proposals, SelectionFeatures::kSlots> proposals{};
+    std::array<int, SelectionFeatures::kSlots> first_pixels{};
+    int blocks = 0;
     ConfidenceCodes codes;
     alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
   };
 
   void fillRow(int y, float invalid, const SelectedMaps& maps) const;
   void selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps, Row& row);
-  void choose(int y, int x, const Row& row, int i, bool has_disparity,
-              const SelectedMaps& maps) const;
+  bool canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
+                 int i) const;
+  void chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row& row) const;
+  void choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const;
+  bool hasDisparity(int own) const { return own != no_disparity_; }
 
   std::shared_ptr<const Forest> forest_;
   MapConfidence confidence_;
   std::optional<ConfidenceEvaluator> evaluator_;  ///< of the selection forest
   ConfidencePlanes planes_;
+  int no_disparity_ = 0;  ///< in planes' units
   cv::Mat median_padded_;
   cv::Mat filtered_;
   PerThread<Row> rows_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -52,18 +53,34 @@ class ConfidencePlanes {
 class SelectionFeatures {
  public:
   /// Pixels that are coded at once, from a multiple of it on.
-  static constexpr int kBlock = 48;
-  static_assert(kBlock * kSources <= ConfidenceCodes::kQueries && kBlock % CellGrid::kCellPx == 0);
+  static constexpr int kBlock = 16;
+  /// Blocks whose queries fit one set of codes.
+  static constexpr int kSlots = 3;
+  static_assert(kSlots * kBlock * kSources <= ConfidenceCodes::kQueries &&
+                kBlock % CellGrid::kCellPx == 0);
+
+  /// The query of a source's proposal for pixel `i` of the block in a slot.
+  static constexpr int query(int source, int slot, int i) {
+    return (source * kSlots + slot) * kBlock + i;
+  }
 
   /// Proposals of the pixels of a block, in planes' units, [source][pixel].
   using Proposals = std::array<std::array<std::int16_t, kBlock>, kSources>;
 
+  /// Is the proposal of a source for pixel `i` one at all, and more than 1 px from the pixel's own?
+  static bool isNew(const Proposals& proposals, int source, int i) {
+    const int proposal = proposals[source][i];
+    return proposal != ConfidentNeighbors::kNoNeighbor &&
+           std::abs(proposal - proposals[0][i]) > kPlaneUnitsPerPx;
+  }
+
   void resize(int width);
   void startRow(const MapPlanes& planes, const ConfidencePlanes& confidence,
                 const float* right_disparity, float right_invalid, int y);
-  /// Codes of the `count` pixels from `x` on: proposal p of pixel i is query p · kBlock + i. Gives
-  /// proposals, too; kNoNeighbor where there is none.
-  void code(int x, int count, Proposals& proposals, ConfidenceCodes& codes);
+  /// Proposals for the `count` pixels from `x` on; kNoNeighbor where there is none.
+  void propose(int x, int count, Proposals& proposals) const;
+  /// Codes of these proposals, in the queries of `slot`.
+  void code(int x, int count, const Proposals& proposals, int slot, ConfidenceCodes& codes) const;
 
  private:
   const MapPlanes* planes_ = nullptr;

@@ -29,7 +29,7 @@ struct SecondForestOptions {
   BoostingOptions confidence{64, 6, 0.15};
   /// Regularized more: proposals of one scene are much alike, and what is learnt of them has to hold
   /// in other scenes.
-  BoostingOptions selection{96, 6, 0.15, 300.0};
+  BoostingOptions selection{64, 6, 0.15, 300.0};
   std::vector<StereoOptions> matching = {StereoOptions()};  ///< presets that it is made for
 };
 
