@@ -113,13 +113,13 @@ void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const Se
 /// Is there anything to choose for pixel `i` of a block, the one in column `x`?
 bool MapSelector::canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
                             int i) const {
-  if (!isUnsure(confidence_.confidence().at<std::uint8_t>(y, x)) ||
-      (!fill && !hasDisparity(proposals[0][i]))) {
+  const bool has_own = hasDisparity(proposals[0][i]);
+  if (!isUnsure(confidence_.confidence().at<std::uint8_t>(y, x)) || (!fill && !has_own)) {
     return false;
   }
   bool is_any_new = false;
   for (int p = 1; p < kSources; ++p) {
-    is_any_new = is_any_new || SelectionFeatures::isNew(proposals, p, i);
+    is_any_new = is_any_new || SelectionFeatures::isNew(proposals, p, i, has_own);
   }
   return is_any_new;
 }
@@ -144,9 +144,10 @@ void MapSelector::chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row
 void MapSelector::choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const {
   const SelectionFeatures::Proposals& proposals = row.proposals[block];
   const auto score = [&](int p) { return row.scores[SelectionFeatures::query(p, block, i)]; };
-  int best = hasDisparity(proposals[0][i]) ? 0 : -1;
+  const bool has_own = hasDisparity(proposals[0][i]);
+  int best = has_own ? 0 : -1;
   for (int p = 1; p < kSources; ++p) {
-    if (SelectionFeatures::isNew(proposals, p, i) && (best < 0 || score(p) > score(best))) {
+    if (SelectionFeatures::isNew(proposals, p, i, has_own) && (best < 0 || score(p) > score(best))) {
       best = p;
     }
   }

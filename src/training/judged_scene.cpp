@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "cbmv_stereo/selection/confidence_features.h"
@@ -16,18 +18,25 @@ namespace {
 /// Columns that are drawn, row by row.
 using DrawnPixels = std::vector<std::vector<int>>;
 
-/// Up to `pixels` of those that `may_be_drawn(y, x)`.
-template <typename Predicate>
-DrawnPixels draw(const cv::Size& size, const HeldOutBand& band, long pixels, std::uint64_t seed,
-                 const Predicate& may_be_drawn) {
+/// Pixels with a disparity whose truth is known, without those of the margins.
+std::vector<cv::Point> candidatesOf(const JudgedScene& scene, const HeldOutBand& band) {
+  const cv::Mat& disparity = scene.result.disparity;
+  const float invalid = scene.result.range.invalid();
   std::vector<cv::Point> candidates;
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; !band.isMargin(y) && x < size.width; ++x) {
-      if (may_be_drawn(y, x)) {
+  for (int y = 0; y < disparity.rows; ++y) {
+    for (int x = 0; !band.isMargin(y) && x < disparity.cols; ++x) {
+      if (std::isfinite(scene.truth.at<float>(y, x)) && disparity.at<float>(y, x) != invalid) {
         candidates.emplace_back(x, y);
       }
     }
   }
+  return candidates;
+}
+
+/// Up to `pixels` of these.
+DrawnPixels draw(const JudgedScene& scene, const HeldOutBand& band, long pixels,
+                 std::uint64_t seed) {
+  std::vector<cv::Point> candidates = candidatesOf(scene, band);
   std::mt19937_64 random(seed);
   const auto wanted =
       std::min<std::ptrdiff_t>(pixels, static_cast<std::ptrdiff_t>(candidates.size()));
@@ -35,7 +44,7 @@ DrawnPixels draw(const cv::Size& size, const HeldOutBand& band, long pixels, std
     const std::uint64_t left = candidates.size() - static_cast<std::size_t>(i);
     std::swap(candidates[i], candidates[i + static_cast<std::ptrdiff_t>(random() % left)]);
   }
-  DrawnPixels drawn(size.height);
+  DrawnPixels drawn(scene.truth.rows);
   for (std::ptrdiff_t i = 0; i < wanted; ++i) {
     drawn[candidates[i].y].push_back(candidates[i].x);
   }
@@ -57,6 +66,15 @@ void appendQuery(ConfidenceCodes& codes, int query, bool is_correct, bool is_hel
   samples.held_out.push_back(is_held_out ? 1 : 0);
 }
 
+ConfidenceCodes codesFor(const std::vector<std::string>& feature_names) {
+  ConfidenceForest shape;
+  shape.feature_names = feature_names;
+  return ConfidenceCodes(shape);
+}
+
+/// Features are computed from the first pixel of a cell on.
+int firstOfCell(int x) { return x / CellGrid::kCellPx * CellGrid::kCellPx; }
+
 bool isCorrect(float disparity, float truth) { return std::abs(disparity - truth) <= kCorrectPx; }
 
 /// Is proposal p of pixel i unlike those before it?
@@ -66,6 +84,54 @@ bool isNew(const SelectionFeatures::Proposals& proposals, int p, int i) {
            std::abs(other[i] - proposals[p][i]) <= (&other == &proposals[0] ? kPlaneUnitsPerPx : 0);
   });
 }
+
+/// The proposals of pixels of a scene as samples.
+class ProposalSampler {
+ public:
+  ProposalSampler(const JudgedScene& scene, const ConfidenceForest& confidence)
+      : scene_(scene),
+        judge_(confidence, "the confidence forest in training"),
+        codes_(codesFor(selectionFeatureNames())) {
+    judge_.estimate(scene.maps());
+    planes_.prepare(judge_.planes(), judge_.confidence());
+    features_.resize(scene.truth.cols);
+  }
+
+  void startRow(int y) {
+    const cv::Mat& right = scene_.result.right_disparity;
+    y_ = y;
+    features_.startRow(judge_.planes(), planes_, right.empty() ? nullptr : right.ptr<float>(y),
+                       scene_.result.range.invalid(), y);
+  }
+
+  void append(int x, bool is_held_out, ConfidenceSamples& samples) {
+    const int first = firstOfCell(x);
+    const int i = x - first;
+    features_.propose(first, i + 1, proposals_);
+    features_.code(first, i + 1, proposals_, 0, codes_);
+    for (int p = 0; p < kSources; ++p) {
+      if (proposals_[p][i] != ConfidentNeighbors::kNoNeighbor && isNew(proposals_, p, i)) {
+        appendQuery(codes_, SelectionFeatures::query(p, 0, i),
+                    isCorrect(disparityOf(p, x, i), scene_.truth.at<float>(y_, x)), is_held_out,
+                    samples);
+      }
+    }
+  }
+
+ private:
+  float disparityOf(int source, int x, int i) const {
+    return source == 0 ? scene_.result.disparity.at<float>(y_, x)
+                       : static_cast<float>(proposals_[source][i]) / kPlaneUnitsPerPx;
+  }
+
+  const JudgedScene& scene_;
+  MapConfidence judge_;
+  ConfidencePlanes planes_;
+  SelectionFeatures features_;
+  SelectionFeatures::Proposals proposals_{};
+  ConfidenceCodes codes_;
+  int y_ = 0;
+};
 
 }  // namespace
 
@@ -81,12 +147,8 @@ void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_
   planes.prepare(scene.maps());
   const cv::Mat& disparity = scene.result.disparity;
   const HeldOutBand band(disparity.rows, seed);
-  const DrawnPixels drawn = draw(disparity.size(), band, pixels, seed, [&](int y, int x) {
-    return std::isfinite(scene.truth.at<float>(y, x));
-  });
-  ConfidenceForest shape;
-  shape.feature_names = confidenceFeatureNames();
-  ConfidenceCodes codes(shape);
+  const DrawnPixels drawn = draw(scene, band, pixels, seed);
+  ConfidenceCodes codes = codesFor(confidenceFeatureNames());
   ConfidenceFeatures features;
   features.resize(disparity.cols);
   for (int y = 0; y < disparity.rows; ++y) {
@@ -95,7 +157,7 @@ void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_
     }
     features.startRow(planes, y);
     for (const int x : drawn[y]) {
-      const int first = x / CellGrid::kCellPx * CellGrid::kCellPx;
+      const int first = firstOfCell(x);
       features.code(first, x - first + 1, codes);
       appendQuery(codes, x - first, isCorrect(disparity.at<float>(y, x), scene.truth.at<float>(y, x)),
                   band.contains(y), samples);
@@ -106,45 +168,15 @@ void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_
 void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& confidence,
                             long pixels, std::uint64_t seed, ConfidenceSamples& samples) {
   startSamples(selectionFeatureNames(), samples);
-  MapConfidence judge(confidence, "the confidence forest in training");
-  judge.estimate(scene.maps());
-  ConfidencePlanes planes;
-  planes.prepare(judge.planes(), judge.confidence());
-  const cv::Mat& disparity = scene.result.disparity;
-  const float invalid = scene.result.range.invalid();
-  const HeldOutBand band(disparity.rows, seed);
-  const DrawnPixels drawn = draw(disparity.size(), band, pixels, seed, [&](int y, int x) {
-    return std::isfinite(scene.truth.at<float>(y, x)) &&
-           disparity.at<float>(y, x) != invalid;
-  });
-  ConfidenceForest shape;
-  shape.feature_names = selectionFeatureNames();
-  ConfidenceCodes codes(shape);
-  SelectionFeatures features;
-  features.resize(disparity.cols);
-  SelectionFeatures::Proposals proposals{};
-  const cv::Mat& right = scene.result.right_disparity;
-  for (int y = 0; y < disparity.rows; ++y) {
-    if (drawn[y].empty()) {
-      continue;
+  const HeldOutBand band(scene.truth.rows, seed);
+  const DrawnPixels drawn = draw(scene, band, pixels, seed);
+  ProposalSampler sampler(scene, confidence);
+  for (int y = 0; y < scene.truth.rows; ++y) {
+    if (!drawn[y].empty()) {
+      sampler.startRow(y);
     }
-    features.startRow(judge.planes(), planes, right.empty() ? nullptr : right.ptr<float>(y),
-                      invalid, y);
     for (const int x : drawn[y]) {
-      const int first = x / CellGrid::kCellPx * CellGrid::kCellPx;
-      const int i = x - first;
-      features.propose(first, i + 1, proposals);
-      features.code(first, i + 1, proposals, 0, codes);
-      for (int p = 0; p < kSources; ++p) {
-        const int proposal = proposals[p][i];
-        if (proposal == ConfidentNeighbors::kNoNeighbor || !isNew(proposals, p, i)) {
-          continue;
-        }
-        const float proposed = p == 0 ? disparity.at<float>(y, x)
-                                      : static_cast<float>(proposal) / kPlaneUnitsPerPx;
-        appendQuery(codes, SelectionFeatures::query(p, 0, i),
-                    isCorrect(proposed, scene.truth.at<float>(y, x)), band.contains(y), samples);
-      }
+      sampler.append(x, band.contains(y), samples);
     }
   }
 }

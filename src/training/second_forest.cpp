@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -18,6 +19,7 @@ namespace {
 /// Of the absolute errors of a normal distribution, within one standard deviation.
 constexpr double kOneSigmaShare = 0.6827;
 constexpr std::size_t kFewestErrors = 200;  ///< of a bin that has a standard deviation of its own
+constexpr double kLowestSigmaPx = 0.01;
 
 bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
@@ -37,6 +39,51 @@ bool hasBothClasses(const ConfidenceSamples& samples) {
     ++counts[samples.held_out[i]][samples.labels[i]];
   }
   return counts[0][0] > 0 && counts[0][1] > 0 && counts[1][0] + counts[1][1] > 0;
+}
+
+/// Absolute errors of correct disparities, by the bins of the model.
+using ErrorBins = std::vector<std::vector<float>>;
+
+void collectErrors(const JudgedScene& scene, const ConfidenceForest& forest, ErrorBins& bins) {
+  MapConfidence judge(forest, "the confidence forest in training");
+  judge.estimate(scene.maps());
+  for (int y = 0; y < scene.truth.rows; ++y) {
+    for (int x = 0; x < scene.truth.cols; ++x) {
+      const float disparity = scene.result.disparity.at<float>(y, x);
+      const float error = std::abs(disparity - scene.truth.at<float>(y, x));
+      if (disparity != scene.result.range.invalid() && error <= kCorrectPx) {  // the truth is known
+        bins[ConfidenceForest::sigmaBin(judge.roughnessBins().at<std::uint8_t>(y, x),
+                                        judge.confidence().at<std::uint8_t>(y, x))]
+            .push_back(error);
+      }
+    }
+  }
+}
+
+/// Limits that make bins of the roughness of about the same size.
+void splitRoughness(const ConfidenceSamples& samples, ConfidenceForest& forest) {
+  std::vector<std::uint8_t> roughness = samples.features[roughnessFeature()];
+  int least = 1;
+  int bin = 0;
+  for (std::uint8_t& bound : forest.sigma_roughness_bounds) {
+    const double share = static_cast<double>(++bin) / ConfidenceForest::kSigmaRoughnessBins;
+    bound = static_cast<std::uint8_t>(std::max<int>(least, quantile(roughness, share)));
+    least = bound + 1;
+  }
+}
+
+/// Bins of few errors get the standard deviation of all.
+std::vector<double> sigmaOf(ErrorBins& bins) {
+  std::vector<float> all;
+  for (const std::vector<float>& bin : bins) {
+    all.insert(all.end(), bin.begin(), bin.end());
+  }
+  std::vector<double> sigma_px;
+  for (std::vector<float>& bin : bins) {
+    const double sigma = quantile(bin.size() < kFewestErrors ? all : bin, kOneSigmaShare);
+    sigma_px.push_back(std::max(sigma, kLowestSigmaPx));
+  }
+  return sigma_px;
 }
 
 /// The cross-fitting of one training.
@@ -60,16 +107,17 @@ class SecondForestTrainer {
       return;
     }
     matchGroups();
-    const ConfidenceSamples samples = confidenceSamples(kNoGroup);
-    if (!hasBothClasses(samples)) {
-      report("no confidence forest: the scenes have no correct or no wrong disparities");
+    const std::optional<std::vector<ConfidenceForest>> crossed = crossConfidenceForests();
+    if (!crossed.has_value()) {
+      report(
+          "no confidence forest: the scenes of some groups have no correct or no wrong disparities");
       return;
     }
-    const std::vector<ConfidenceForest> crossed = crossConfidenceForests();
+    const ConfidenceSamples samples = confidenceSamples(kNoGroup);
     ConfidenceForest confidence = grow("confidence forest", samples, options_.second.confidence);
-    fitSigma(crossed, samples, confidence);
+    fitSigma(*crossed, samples, confidence);
     forest.confidence = std::make_shared<const ConfidenceForest>(std::move(confidence));
-    const ConfidenceSamples proposals = selectionSamples(crossed);
+    const ConfidenceSamples proposals = selectionSamples(*crossed);
     if (hasBothClasses(proposals)) {
       forest.selection = std::make_shared<const ConfidenceForest>(
           grow("selection forest", proposals, options_.second.selection));
@@ -135,12 +183,16 @@ class SecondForestTrainer {
     return samples;
   }
 
-  std::vector<ConfidenceForest> crossConfidenceForests() const {
+  /// One without each group; none where samples are missing.
+  std::optional<std::vector<ConfidenceForest>> crossConfidenceForests() const {
     std::vector<ConfidenceForest> forests;
     for (int group = 0; group < groups_; ++group) {
-      forests.push_back(
-          grow("confidence forest without group " + std::to_string(group + 1),
-               confidenceSamples(group), options_.second.confidence));
+      const ConfidenceSamples samples = confidenceSamples(group);
+      if (!hasBothClasses(samples)) {
+        return std::nullopt;
+      }
+      forests.push_back(grow("confidence forest without group " + std::to_string(group + 1),
+                             samples, options_.second.confidence));
     }
     return forests;
   }
@@ -174,8 +226,18 @@ class SecondForestTrainer {
     return forest;
   }
 
+  /// To errors at confidences by forests that did not see the scene.
   void fitSigma(const std::vector<ConfidenceForest>& crossed, const ConfidenceSamples& samples,
-                ConfidenceForest& forest) const;
+                ConfidenceForest& forest) const {
+    splitRoughness(samples, forest);
+    ErrorBins bins(ConfidenceForest::kSigmaRoughnessBins * ConfidenceForest::kSigmaConfidenceBins);
+    for (const Judged& judged : judged_) {
+      ConfidenceForest judge = crossed[judged.group];
+      judge.sigma_roughness_bounds = forest.sigma_roughness_bounds;
+      collectErrors(judged.scene, judge, bins);
+    }
+    forest.sigma_px = sigmaOf(bins);
+  }
 
   const std::vector<SceneReference>& scenes_;
   const TrainingOptions& options_;
@@ -184,54 +246,6 @@ class SecondForestTrainer {
   int groups_ = 0;
   std::vector<Judged> judged_;
 };
-
-/// Absolute errors of correct disparities, by the bins of the model.
-using ErrorBins = std::vector<std::vector<float>>;
-
-void collectErrors(const JudgedScene& scene, const ConfidenceForest& forest, ErrorBins& bins) {
-  MapConfidence judge(forest, "the confidence forest in training");
-  judge.estimate(scene.maps());
-  for (int y = 0; y < scene.truth.rows; ++y) {
-    for (int x = 0; x < scene.truth.cols; ++x) {
-      const float error =
-          std::abs(scene.result.disparity.at<float>(y, x) - scene.truth.at<float>(y, x));
-      if (error <= kCorrectPx) {  // not where the truth is unknown
-        bins[ConfidenceForest::sigmaBin(judge.roughnessBins().at<std::uint8_t>(y, x),
-                                        judge.confidence().at<std::uint8_t>(y, x))]
-            .push_back(error);
-      }
-    }
-  }
-}
-
-void SecondForestTrainer::fitSigma(const std::vector<ConfidenceForest>& crossed,
-                                   const ConfidenceSamples& samples,
-                                   ConfidenceForest& forest) const {
-  std::vector<std::uint8_t> roughness = samples.features[roughnessFeature()];
-  for (std::size_t i = 0; i < forest.sigma_roughness_bounds.size(); ++i) {
-    const double share = static_cast<double>(i + 1) / ConfidenceForest::kSigmaRoughnessBins;
-    const int least = i == 0 ? 1 : forest.sigma_roughness_bounds[i - 1] + 1;
-    forest.sigma_roughness_bounds[i] =
-        static_cast<std::uint8_t>(std::max<int>(least, quantile(roughness, share)));
-  }
-  ErrorBins bins(ConfidenceForest::kSigmaRoughnessBins * ConfidenceForest::kSigmaConfidenceBins);
-  for (const Judged& judged : judged_) {
-    ConfidenceForest judge = crossed[judged.group];
-    judge.sigma_roughness_bounds = forest.sigma_roughness_bounds;
-    collectErrors(judged.scene, judge, bins);
-  }
-  std::vector<float> all;
-  for (const std::vector<float>& bin : bins) {
-    all.insert(all.end(), bin.begin(), bin.end());
-  }
-  if (all.empty()) {
-    return;
-  }
-  for (std::vector<float>& bin : bins) {
-    const double sigma = quantile(bin.size() < kFewestErrors ? all : bin, kOneSigmaShare);
-    forest.sigma_px.push_back(std::max(sigma, 0.01));
-  }
-}
 
 }  // namespace
 

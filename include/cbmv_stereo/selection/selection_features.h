@@ -18,7 +18,7 @@ namespace cbmv {
 
 /// Features of the selection forest, one byte each, in the order of their names. They describe a
 /// disparity that is proposed for a pixel:
-///   change        to the disparity of the map, px, 128: none
+///   change        to the disparity of the map, 4 per px, 128: none
 ///   left_right, border   as confidenceFeatureNames, of the proposal
 ///   distance      of the pixel that it is taken from, px; 0: the pixel's own
 ///   source        60 per Source
@@ -67,11 +67,12 @@ class SelectionFeatures {
   /// Proposals of the pixels of a block, in planes' units, [source][pixel].
   using Proposals = std::array<std::array<std::int16_t, kBlock>, kSources>;
 
-  /// Is the proposal of a source for pixel `i` one at all, and more than 1 px from the pixel's own?
-  static bool isNew(const Proposals& proposals, int source, int i) {
+  /// Is the proposal of a source for pixel `i` one at all, and more than 1 px from the pixel's own
+  /// disparity, if it has one?
+  static bool isNew(const Proposals& proposals, int source, int i, bool has_own) {
     const int proposal = proposals[source][i];
     return proposal != ConfidentNeighbors::kNoNeighbor &&
-           std::abs(proposal - proposals[0][i]) > kPlaneUnitsPerPx;
+           (!has_own || std::abs(proposal - proposals[0][i]) > kPlaneUnitsPerPx);
   }
 
   void resize(int width);

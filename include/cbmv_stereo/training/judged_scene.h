@@ -22,14 +22,15 @@ struct JudgedScene {
 /// A disparity is correct within so many pixels of the truth.
 inline constexpr float kCorrectPx = 1.0F;
 
-/// Draws up to `pixels` pixels whose truth is known, all equally likely, and appends the features
-/// of the confidence forest (confidenceFeatureNames) and whether the disparity is correct. Rows of
-/// the HeldOutBand of `seed` are held out, those of its margins left out.
+/// Draws up to `pixels` pixels that have a disparity and whose truth is known, all equally likely,
+/// and appends the features of the confidence forest (confidenceFeatureNames) and whether the
+/// disparity is correct. Rows of the HeldOutBand of `seed` are held out, those of its margins left
+/// out.
 void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_t seed,
                              ConfidenceSamples& samples);
 
-/// The same for the selection forest (selectionFeatureNames): each different proposal of a pixel is a
-/// sample. `confidence` must not have been trained on the scene.
+/// The same for the selection forest (selectionFeatureNames): each different proposal of a pixel is
+/// a sample. `confidence` must not have been trained on the scene.
 void appendSelectionSamples(const JudgedScene& scene, const ConfidenceForest& confidence,
                             long pixels, std::uint64_t seed, ConfidenceSamples& samples);
 

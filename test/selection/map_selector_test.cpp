@@ -1,0 +1,253 @@
+#include "cbmv_stereo/selection/map_selector.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "support/error_text.h"
+#include "support/judged_maps.h"
+#include "support/second_forest.h"
+#include "support/simd_targets.h"
+
+#include "cbmv_stereo/refinement/median_filter.h"
+
+namespace cbmv::test {
+namespace {
+
+struct Maps {
+  cv::Mat disparity;
+  cv::Mat confidence;
+  cv::Mat sigma;
+};
+
+/// What is chosen for a pixel: a proposal, in units of the planes, and how probable it is.
+struct Choice {
+  int source = 0;
+  int disparity = 0;
+  int probability = 0;
+};
+
+class NaiveSelector {
+ public:
+  NaiveSelector(const Forest& forest, const RandomMaps& maps) : forest_(forest), maps_(maps) {
+    planes_.prepare(maps.judged());
+    confidence_ = naiveConfidence(*forest.confidence, planes_, maps.disparity, invalid());
+  }
+
+  Maps select(bool fill) const {
+    Maps selected{maps_.disparity.clone(), maps_.probability.clone(), cv::Mat()};
+    selected.sigma.create(maps_.disparity.size(), CV_32FC1);
+    for (int y = 0; y < maps_.disparity.rows; ++y) {
+      for (int x = 0; x < maps_.disparity.cols; ++x) {
+        selectPixel(y, x, fill, selected);
+      }
+    }
+    cv::Mat padded;
+    cv::Mat filtered;
+    medianFilter(selected.disparity, maps_.range, 3, padded, filtered);
+    return {filtered, selected.confidence, selected.sigma};
+  }
+
+ private:
+  float invalid() const { return maps_.range.invalid(); }
+
+  void selectPixel(int y, int x, bool fill, Maps& selected) const {
+    const bool has_disparity = maps_.disparity.at<float>(y, x) != invalid();
+    const int own = valueAt(confidence_, y, x);
+    std::optional<Choice> choice;
+    if (has_disparity && own >= ConfidentNeighbors::kConfident) {
+      choice = Choice{0, 0, own};
+    } else if (has_disparity || fill) {
+      choice = choose(y, x, has_disparity);
+    }
+    if (!choice.has_value()) {
+      selected.confidence.at<float>(y, x) = 0;
+      selected.sigma.at<float>(y, x) = NAN;
+      return;
+    }
+    if (choice->source != 0) {
+      selected.disparity.at<float>(y, x) = static_cast<float>(choice->disparity) / 8.0F;
+    }
+    const int roughness = naiveConfidenceFeatures(planes_, y, x).at("roughness_5");
+    const auto byte = static_cast<std::uint8_t>(choice->probability);
+    selected.confidence.at<float>(y, x) = static_cast<float>(byte) / 255.0F;
+    selected.sigma.at<float>(y, x) = forest_.confidence->sigmaPx(
+        forest_.confidence->roughnessBin(static_cast<std::uint8_t>(roughness)), byte);
+  }
+
+  /// The most probable proposal, the first of several; the pixel's own as the confidence forest
+  /// judges it where there is no other.
+  std::optional<Choice> choose(int y, int x, bool has_disparity) const {
+    const auto proposals = naiveProposals(planes_.disparity, confidence_, y, x);
+    std::optional<Choice> best;
+    double best_log_odds = 0;
+    bool has_new = false;
+    for (int p = has_disparity ? 0 : 1; p < kSources; ++p) {
+      const int disparity = proposals[p].disparity;
+      const bool is_old =
+          p > 0 && has_disparity && std::abs(disparity - proposals[0].disparity) <= 8;
+      if (disparity == ConfidentNeighbors::kNoNeighbor || is_old) {
+        continue;
+      }
+      has_new = has_new || p > 0;
+      const double log_odds = naiveLogOdds(
+          *forest_.selection, naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity,
+                                                     invalid(), y, x, p));
+      if (!best.has_value() || log_odds > best_log_odds) {
+        best = Choice{p, disparity, naiveProbabilityByte(log_odds)};
+        best_log_odds = log_odds;
+      }
+    }
+    const bool is_alone = best.has_value() && !has_new;
+    return is_alone ? Choice{0, 0, valueAt(confidence_, y, x)} : best;
+  }
+
+  const Forest& forest_;
+  const RandomMaps& maps_;
+  MapPlanes planes_;
+  cv::Mat confidence_;
+};
+
+std::shared_ptr<const Forest> makeSelecting() {
+  auto forest = std::make_shared<Forest>(makeForest(3, 3, 1));
+  addSecondForest(5, *forest);
+  return forest;
+}
+
+/// As the matcher calls it: the maps that change are those that are judged.
+Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
+  RandomMaps copy = maps;
+  Maps selected{maps.disparity.clone(), maps.probability.clone(), cv::Mat()};
+  copy.disparity = selected.disparity;
+  copy.probability = selected.confidence;
+  selector.select(copy.judged(), {true, fill}, {selected.disparity, selected.confidence, selected.sigma});
+  return selected;
+}
+
+void expectSame(const Maps& found, const Maps& expected) {
+  const cv::Size size = expected.disparity.size();
+  expectMap<float>(found.disparity, size,
+                   [&](int y, int x) { return expected.disparity.at<float>(y, x); });
+  expectMap<float>(found.confidence, size,
+                   [&](int y, int x) { return expected.confidence.at<float>(y, x); });
+  ASSERT_EQ(found.sigma.size(), size);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const float sigma = found.sigma.at<float>(y, x);
+      const float naive = expected.sigma.at<float>(y, x);
+      ASSERT_TRUE(std::isnan(naive) ? std::isnan(sigma) : sigma == naive)
+          << sigma << " instead of " << naive << " at y " << y << " x " << x;
+    }
+  }
+}
+
+int countNan(const cv::Mat& map) {
+  return static_cast<int>(
+      std::count_if(map.begin<float>(), map.end<float>(), [](float v) { return std::isnan(v); }));
+}
+
+class Selected : public testing::TestWithParam<Case> {};
+
+TEST_P(Selected, AreTheMostProbableProposals) {
+  const auto [shape, view, content] = GetParam();
+  RandomMaps maps = makeJudgedMaps(shape, content, 41);
+  if (view == View::kRight) {
+    maps.right_disparity.release();
+  }
+  const auto forest = makeSelecting();
+  const NaiveSelector naive(*forest, maps);
+  const std::array<Maps, 2> expected = {naive.select(false), naive.select(true)};
+  onEverySimdTarget([&] {
+    MapSelector selector(forest);
+    for (const bool fill : {false, true}) {
+      SCOPED_TRACE(fill ? "filled" : "not filled");
+      expectSame(select(selector, maps, fill), expected[fill ? 1 : 0]);
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Selected, allCases());
+
+TEST(MapSelector, DependsOnThePairOnly) {
+  const auto forest = makeSelecting();
+  MapSelector selector(forest);
+  for (const std::size_t threads : {1, 2}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    for (const Shape& shape : {Shape{30, 141, {0, 30}}, Shape{7, 33, {-5, 40}}}) {
+      const RandomMaps maps = makeJudgedMaps(shape, Content::kPatches, 42);
+      expectSame(select(selector, maps, true), NaiveSelector(*forest, maps).select(true));
+    }
+  }
+}
+
+/// Equal scores of all proposals change nothing but by the median.
+TEST(MapSelector, KeepsThePixelsOwnOnTies) {
+  auto forest = std::make_shared<Forest>(*makeSelecting());
+  ConfidenceForest undecided = *forest->selection;
+  undecided.trees.resize(1);
+  undecided.trees[0] = {{{0, 128}}, {7, 7}};
+  forest->selection = std::make_shared<ConfidenceForest>(undecided);
+  MapSelector selector(forest);
+  RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 43);
+  cv::Mat padded;
+  cv::Mat filtered;
+  medianFilter(maps.disparity, maps.range, 3, padded, filtered);
+  EXPECT_EQ(cv::countNonZero(select(selector, maps, false).disparity != filtered), 0);
+}
+
+TEST(MapSelector, FillsOnlyWhenAsked) {
+  MapSelector selector(makeSelecting());
+  const RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 44);
+  const cv::Mat invalid = maps.disparity == maps.range.invalid();
+  ASSERT_GT(cv::countNonZero(invalid), 50);
+  const Maps kept = select(selector, maps, false);
+  EXPECT_EQ(cv::countNonZero((kept.disparity == maps.range.invalid()) != invalid), 0);
+  EXPECT_EQ(cv::countNonZero((kept.confidence == 0) & invalid), cv::countNonZero(invalid));
+  const Maps filled = select(selector, maps, true);
+  EXPECT_EQ(cv::countNonZero(filled.disparity == maps.range.invalid()), 0);
+  EXPECT_EQ(countNan(filled.sigma), 0);
+}
+
+TEST(MapSelector, ReplacesNothingWithoutASelectionForest) {
+  auto forest = std::make_shared<Forest>(*makeSelecting());
+  forest->selection = nullptr;
+  MapSelector selector(forest);
+  const RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 45);
+  const Maps found = select(selector, maps, true);
+  EXPECT_EQ(cv::countNonZero(found.disparity != maps.disparity), 0);
+  MapPlanes planes;
+  planes.prepare(maps.judged());
+  const float invalid = maps.range.invalid();
+  const cv::Mat expected = naiveConfidence(*forest->confidence, planes, maps.disparity, invalid);
+  expectMap<float>(found.confidence, maps.disparity.size(),
+                   [&](int y, int x) { return static_cast<float>(valueAt(expected, y, x)) / 255; });
+  EXPECT_EQ(countNan(found.sigma), cv::countNonZero(maps.disparity == invalid));
+}
+
+TEST(MapSelector, KnowsNoStandardDeviationWithoutAModel) {
+  auto forest = std::make_shared<Forest>(*makeSelecting());
+  ConfidenceForest confidence = *forest->confidence;
+  confidence.sigma_px.clear();
+  forest->confidence = std::make_shared<ConfidenceForest>(confidence);
+  MapSelector selector(forest);
+  RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 46);
+  cv::Mat sigma(3, 3, CV_32FC1, cv::Scalar(1));
+  selector.select(maps.judged(), {}, {maps.disparity, maps.probability, sigma});
+  EXPECT_TRUE(sigma.empty());
+}
+
+TEST(MapSelector, RejectsOtherFeatures) {
+  auto forest = std::make_shared<Forest>(*makeSelecting());
+  ConfidenceForest selection = *forest->selection;
+  selection.feature_names.pop_back();
+  forest->selection = std::make_shared<ConfidenceForest>(selection);
+  EXPECT_TRUE(mentions(errorText([&] { MapSelector{forest}; }),
+                       {"random.forest", "selection forest", "cbmv_train"}));
+}
+
+}  // namespace
+}  // namespace cbmv::test
