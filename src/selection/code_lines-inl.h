@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -27,8 +28,8 @@ HWY_INLINE std::int32_t compress(std::int32_t value) {
   return std::min(value, 128) + std::min(std::max(value - 128, 0) >> 4, 127);
 }
 
-/// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from 43690
-/// on that lack 1 of a multiple of 25 count as this.
+/// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from
+/// 43690 on that lack 1 of a multiple of 25 count as this.
 HWY_INLINE std::int32_t meanOf25(std::int32_t sum) { return (sum * 10486) >> 18; }
 
 HWY_INLINE void codeBytes(const std::uint8_t* values, int count, std::int8_t* codes) {
@@ -43,39 +44,45 @@ HWY_INLINE void codeMeans(const std::int32_t* sums, int count, std::int8_t* code
   }
 }
 
-/// Codes of `value(mean of the pixel's cell, pixel)`; `cells` begins at the first pixel's.
-template <typename Value>
-HWY_INLINE void codeByCell(const std::int32_t* cells, int count, std::int8_t* codes,
-                           const Value& value) {
-  constexpr int kCell = CellGrid::kCellPx;
-  const int whole = count / kCell;
+/// `value_of` of the mean of each pixel's cell; `cells` begins at the first pixel's.
+template <typename ValueOf>
+HWY_INLINE void codeCellValues(const std::int32_t* cells, int count, std::int8_t* codes,
+                               const ValueOf& value_of) {
+  const int whole = count / CellGrid::kCellPx;
   for (int cell = 0; cell < whole; ++cell) {
-    for (int i = 0; i < kCell; ++i) {
-      const int x = cell * kCell + i;
-      codes[x] = asCode(value(cells[cell], x));
-    }
+    const std::uint32_t four =
+        static_cast<std::uint8_t>(asCode(value_of(cells[cell]))) * 0x01010101U;
+    std::memcpy(codes + cell * CellGrid::kCellPx, &four, sizeof(four));
   }
-  for (int x = whole * kCell; x < count; ++x) {
-    codes[x] = asCode(value(cells[whole], x));
+  for (int x = whole * CellGrid::kCellPx; x < count; ++x) {
+    codes[x] = asCode(value_of(cells[whole]));
   }
 }
 
 /// Of values up to 255.
 HWY_INLINE void codeCells(const std::int32_t* cells, int count, std::int8_t* codes) {
-  codeByCell(cells, count, codes, [](std::int32_t mean, int /*x*/) { return mean; });
+  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return mean; });
 }
 
-/// The same of margins.
+/// Of margins.
 HWY_INLINE void codeCompressedCells(const std::int32_t* cells, int count, std::int8_t* codes) {
-  codeByCell(cells, count, codes, [](std::int32_t mean, int /*x*/) { return compress(mean); });
+  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return compress(mean); });
 }
 
 /// Distance of disparities from the means of their cells.
 HWY_INLINE void codeCellDeviations(const std::int16_t* disparity, const std::int32_t* cells,
                                    int count, std::int8_t* codes) {
-  codeByCell(cells, count, codes, [disparity](std::int32_t mean, int x) {
-    return compress(std::abs(disparity[x] - mean));
-  });
+  constexpr int kCell = CellGrid::kCellPx;
+  const int whole = count / kCell;
+  for (int cell = 0; cell < whole; ++cell) {
+    for (int i = 0; i < kCell; ++i) {
+      const int x = cell * kCell + i;
+      codes[x] = asCode(compress(std::abs(disparity[x] - cells[cell])));
+    }
+  }
+  for (int x = whole * kCell; x < count; ++x) {
+    codes[x] = asCode(compress(std::abs(disparity[x] - cells[whole])));
+  }
 }
 
 /// Column of the match relative to the left border of the right image; `x` is the first pixel's.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include <tbb/parallel_for.h>
 
@@ -14,6 +16,8 @@ constexpr int kUnmatchedCode = 250;
 constexpr int kRoughnessPerUnit = 8;
 constexpr int kHighestStep = 31;  ///< in units of the disparity plane
 constexpr int kUnknownDifference = 255;
+/// Room for the disparities that are near this one: 4094 px.
+constexpr float kHighestUnits = INT16_MAX - kPlaneUnitsPerPx;
 
 /// One row of the maps and of the planes.
 struct PlaneRow {
@@ -49,7 +53,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 HWY_INLINE std::int32_t planeUnits(float disparity) {
-  const float units = disparity * kPlaneUnitsPerPx;
+  const float units = std::min(disparity * kPlaneUnitsPerPx, kHighestUnits);
   return static_cast<std::int32_t>(units < 0 ? units - 0.5F : units + 0.5F);
 }
 
@@ -114,6 +118,8 @@ void MapPlanes::prepare(const JudgedMaps& maps) {
   CV_Assert(maps.labels.type() == CV_8UC1 && maps.margin.type() == CV_16UC1);
   CV_Assert(maps.labels.size() == size && maps.probability.size() == size);
   CV_Assert(maps.margin.size() == size);
+  CV_Assert(maps.right_disparity.empty() ||
+            (maps.right_disparity.size() == size && maps.right_disparity.type() == CV_32FC1));
   for (cv::Mat* plane : {&unmatched, &probability, &roughness, &left_right}) {
     plane->create(size, CV_8UC1);
   }

@@ -110,8 +110,7 @@ void MapSelector::choose(int y, int x, const Row& row, int i, bool has_disparity
     const int proposal = row.proposals[p][i];
     const bool is_new = proposal != ConfidentNeighbors::kNoNeighbor &&
                         (!has_disparity || std::abs(proposal - own) > kPlaneUnitsPerPx);
-    if (is_new &&
-        (best < 0 || row.scores[p * kBlock + i] > row.scores[best * kBlock + i])) {
+    if (is_new && (best < 0 || row.scores[p * kBlock + i] > row.scores[best * kBlock + i])) {
       best = p;
     }
   }
@@ -125,8 +124,8 @@ void MapSelector::choose(int y, int x, const Row& row, int i, bool has_disparity
         static_cast<float>(row.proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);
   }
   if (!maps.disparity_sigma.empty()) {
-    maps.disparity_sigma.at<float>(y, x) = forest_->confidence->sigmaPx(
-        confidence_.roughnessBins().at<std::uint8_t>(y, x), byte);
+    maps.disparity_sigma.at<float>(y, x) =
+        forest_->confidence->sigmaPx(confidence_.roughnessBins().at<std::uint8_t>(y, x), byte);
   }
 }
 

@@ -210,15 +210,43 @@ void pad(const cv::Mat& map, cv::Mat& padded) {
                      cv::BORDER_REPLICATE);
 }
 
+const std::int32_t* cellOf(const cv::Mat& means, int y, int x) {
+  return means.ptr<std::int32_t>(y / CellGrid::kCellPx, x / CellGrid::kCellPx);
+}
+
+/// Around pixel (x, y).
+PatternRows patternRows(const ConfidencePlanes& planes, int y, int x, int step) {
+  PatternRows rows{};
+  rows.step = step;
+  for (int i = 0; i < kPatternSide; ++i) {
+    const int row = y + kPadding + (i - kPatternSide / 2) * step;
+    rows.disparity[i] = planes.padded_disparity.ptr<std::int16_t>(row, x + kPadding);
+    rows.confidence[i] = planes.padded_confidence.ptr<std::int16_t>(row, x + kPadding);
+  }
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<std::string>& selectionFeatureNames() {
-  static const std::vector<std::string> names = {
-      "change",          "left_right",    "border",        "distance",
-      "source",          "support_5",     "weighted_support_5", "support_17",
-      "weighted_support_17", "confidence", "confidence_5", "confidence_12",
-      "confidence_20",   "unmatched",     "unmatched_5",   "probability_5",
-      "own_support_5",   "own_weighted_support_17"};
+  static const std::vector<std::string> names = {"change",
+                                                 "left_right",
+                                                 "border",
+                                                 "distance",
+                                                 "source",
+                                                 "support_5",
+                                                 "weighted_support_5",
+                                                 "support_17",
+                                                 "weighted_support_17",
+                                                 "confidence",
+                                                 "confidence_5",
+                                                 "confidence_12",
+                                                 "confidence_20",
+                                                 "unmatched",
+                                                 "unmatched_5",
+                                                 "probability_5",
+                                                 "own_support_5",
+                                                 "own_weighted_support_17"};
   return names;
 }
 
@@ -239,6 +267,7 @@ void SelectionFeatures::resize(int width) {
   for (WindowRow* row : {&unmatched_, &probability_, &confidence_window_}) {
     row->resize(width);
   }
+  neighbors_.resize(width);
 }
 
 void SelectionFeatures::startRow(const MapPlanes& planes, const ConfidencePlanes& confidence,
@@ -254,47 +283,37 @@ void SelectionFeatures::startRow(const MapPlanes& planes, const ConfidencePlanes
   confidence.neighbors.findOnRow(y, neighbors_);
 }
 
-void SelectionFeatures::code(int x, int count, Proposals& proposals, ConfidenceCodes& codes) {
-  const auto cell = [&](const cv::Mat& means) {
-    return means.ptr<std::int32_t>(y_ / CellGrid::kCellPx, x / CellGrid::kCellPx);
-  };
-  const auto pattern = [&](int step) {
-    PatternRows rows{};
-    rows.step = step;
-    for (int i = 0; i < kPatternSide; ++i) {
-      const int y = y_ + kPadding + (i - kPatternSide / 2) * step;
-      rows.disparity[i] = confidence_->padded_disparity.ptr<std::int16_t>(y, x + kPadding);
-      rows.confidence[i] = confidence_->padded_confidence.ptr<std::int16_t>(y, x + kPadding);
-    }
-    return rows;
-  };
-  const NeighborRow above = confidence_->neighbors.above(y_);
-  const NeighborRow below = confidence_->neighbors.below(y_);
-  const auto* disparity = planes_->disparity.ptr<std::int16_t>(y_, x);
+void SelectionFeatures::propose(int x, int count, Proposals& proposals) const {
   const std::array<const std::int16_t*, kSources> sources = {
-      disparity, &neighbors_.left[x], &neighbors_.right[x], above.disparity + x,
-      below.disparity + x};
+      planes_->disparity.ptr<std::int16_t>(y_, x), &neighbors_.left[x], &neighbors_.right[x],
+      confidence_->neighbors.above(y_).disparity + x,
+      confidence_->neighbors.below(y_).disparity + x};
   for (int p = 0; p < kSources; ++p) {
     std::copy_n(sources[p], count, proposals[p].data());
     std::fill_n(proposals[p].data() + count, kBlock - count, ConfidentNeighbors::kNoNeighbor);
   }
+}
+
+void SelectionFeatures::code(int x, int count, Proposals& proposals, ConfidenceCodes& codes) {
+  propose(x, count, proposals);
   const ProposalBlock block{
       x,
       count,
       planes_->disparity.cols,
-      disparity,
+      planes_->disparity.ptr<std::int16_t>(y_, x),
       confidence_->confidence.ptr<std::uint8_t>(y_, x),
       planes_->unmatched.ptr<std::uint8_t>(y_, x),
       confidence_sums_ + x,
       unmatched_sums_ + x,
       probability_sums_ + x,
-      {cell(confidence_->cell_means[0]), cell(confidence_->cell_means[1])},
+      {cellOf(confidence_->cell_means[0], y_, x), cellOf(confidence_->cell_means[1], y_, x)},
       right_disparity_,
       right_invalid_,
-      {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x], above.distance + x,
-       below.distance + x},
-      pattern(1),
-      pattern(4)};
+      {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x],
+       confidence_->neighbors.above(y_).distance + x,
+       confidence_->neighbors.below(y_).distance + x},
+      patternRows(*confidence_, y_, x, 1),
+      patternRows(*confidence_, y_, x, 4)};
   std::array<std::int8_t*, kFeatures> lines{};
   for (int f = 0; f < kFeatures; ++f) {
     lines[f] = codes.line(f);

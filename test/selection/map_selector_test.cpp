@@ -92,8 +92,8 @@ class NaiveSelector {
         continue;
       }
       const double log_odds = naiveLogOdds(
-          *forest_.selection, naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity,
-                                                     invalid(), y, x, p));
+          *forest_.selection,
+          naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity, invalid(), y, x, p));
       if (!best.has_value() || log_odds > best_log_odds) {
         best = Choice{p, disparity, naiveProbabilityByte(log_odds)};
         best_log_odds = log_odds;

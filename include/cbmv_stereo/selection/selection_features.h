@@ -38,9 +38,9 @@ class ConfidencePlanes {
   static constexpr int kBorderPx = 8;  ///< of the padded maps
 
   cv::Mat confidence;
-  cv::Mat padded_confidence;           ///< CV_16SC1, border repeated
-  cv::Mat padded_disparity;            ///< CV_16SC1, border repeated
-  std::array<cv::Mat, 2> cell_means;   ///< of windows of 3 and 5 cells, CV_32SC1
+  cv::Mat padded_confidence;          ///< CV_16SC1, border repeated
+  cv::Mat padded_disparity;           ///< CV_16SC1, border repeated
+  std::array<cv::Mat, 2> cell_means;  ///< of windows of 3 and 5 cells, CV_32SC1
   ConfidentNeighbors neighbors;
 
  private:
@@ -51,8 +51,7 @@ class ConfidencePlanes {
 /// Computes the features of all proposals of some pixels of a row. Holds memory for one row.
 class SelectionFeatures {
  public:
-  /// Pixels that are coded at once, from a multiple of it on.
-  static constexpr int kBlock = 48;
+  static constexpr int kBlock = 48;  ///< most pixels that are coded at once
   static_assert(kBlock * kSources <= ConfidenceCodes::kQueries && kBlock % CellGrid::kCellPx == 0);
 
   /// Proposals of the pixels of a block, in planes' units, [source][pixel].
@@ -61,11 +60,13 @@ class SelectionFeatures {
   void resize(int width);
   void startRow(const MapPlanes& planes, const ConfidencePlanes& confidence,
                 const float* right_disparity, float right_invalid, int y);
-  /// Codes of the `count` pixels from `x` on: proposal p of pixel i is query p · kBlock + i. Gives
-  /// proposals, too; kNoNeighbor where there is none.
+  /// Codes of the `count` pixels from `x` on, a multiple of CellGrid::kCellPx: proposal p of pixel
+  /// i is query p · kBlock + i. Gives proposals, too; kNoNeighbor where there is none.
   void code(int x, int count, Proposals& proposals, ConfidenceCodes& codes);
 
  private:
+  void propose(int x, int count, Proposals& proposals) const;
+
   const MapPlanes* planes_ = nullptr;
   const ConfidencePlanes* confidence_ = nullptr;
   const float* right_disparity_ = nullptr;
