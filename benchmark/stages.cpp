@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -29,6 +30,7 @@
 #include "cbmv_stereo/refinement/median_filter.h"
 #include "cbmv_stereo/search/mutual_matches.h"
 #include "cbmv_stereo/search/search_windows.h"
+#include "cbmv_stereo/selection/map_selector.h"
 #include "cbmv_stereo/volume/windowed_right_view.h"
 #include "cbmv_stereo/volume/windowed_volume_builder.h"
 
@@ -64,6 +66,8 @@ struct StageData {
   EdgeImages edges;
   WindowedOptimizedVolume optimized, output;
   cv::Mat winners, right_winners, labels, disparity, confidence, margin;
+  cv::Mat refined;  ///< disparities that are filled and smoothed
+  cv::Mat judged_confidence, sigma;
   cv::Mat map;  ///< output of the stages that make one
   VerticalOffset offset;
 
@@ -76,6 +80,7 @@ struct StageData {
   WindowedSgm sgm;
   WindowedAggregator aggregator;
   SurfacePrior surface_prior;
+  std::unique_ptr<MapSelector> selector;  ///< null: the forest has no second one
   cv::Mat padded;
 
   // Of the row in the middle.
@@ -229,6 +234,13 @@ void StageData::refine() {
   windowedWinnersAcross(space, optimized, across_rows, right_winners);
   leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
                  labels);
+  cv::Mat filled = disparity.clone();
+  fillOcclusions(labels, range, filled);
+  fillMismatches(labels, range, filled);
+  medianFilter(filled, range, options.refinement.median_size_px, padded, refined);
+  if (forest->confidence != nullptr) {
+    selector = std::make_unique<MapSelector>(forest);
+  }
 }
 
 std::shared_ptr<StageData> makeStageData(const Problem& problem) {
@@ -374,10 +386,27 @@ std::vector<Stage> refinementStages() {
            addMap}};
 }
 
+/// As it is without a second forest.
+void selectMap(StageData& s) {
+  s.refined.copyTo(s.map);
+  s.confidence.copyTo(s.judged_confidence);
+  if (s.selector != nullptr) {
+    s.selector->select({s.map, s.right_winners, s.labels, s.judged_confidence, s.margin, s.range},
+                       {}, {s.map, s.judged_confidence, s.sigma});
+  }
+}
+
+std::vector<Stage> selectionStages() {
+  return {{"selection", Unit::kPixels, 131, 0, selectMap, [](const StageData& s, Checksum& sum) {
+             sum.add(s.map);
+             sum.add(s.judged_confidence);
+           }}};
+}
+
 std::vector<Stage> allStages() {
   std::vector<Stage> all;
-  for (const auto& some :
-       {searchStages(), rowStages(), volumeStages(), optimizationStages(), refinementStages()}) {
+  for (const auto& some : {searchStages(), rowStages(), volumeStages(), optimizationStages(),
+                           refinementStages(), selectionStages()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;

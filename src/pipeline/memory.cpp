@@ -35,6 +35,7 @@ struct Problem {
     result.pixels /= 4;
     result.disparities /= 2;
     result.options.refinement.speckle_size_px = 0;
+    result.options.refinement.second_forest = false;
     return result;
   }
 
@@ -77,6 +78,22 @@ double bytesOfEstimationMaps(const Problem& problem) {
                             ifSet(options.refinement.speckle_size_px > 0, 2 + 9);
   const double result = 4 + 4 + 1 + 2 + ifSet(options.refinement.left_right_check, 4);
   return problem.pixels * (edges + arms + refinement + result);
+}
+
+/// Maps of the second forest, and the rows that its threads work on.
+double bytesOfSelection(const Problem& problem) {
+  if (!problem.options.refinement.second_forest) {
+    return 0;
+  }
+  const double planes = 1 + 1 + 2 + 1 + 2 + 1;
+  const double cells = (5 * 3 + 2 + 2 * 2) * 4.0 / 16;  // means over windows and sums
+  const double confidence = 1 + 1 + 2;                  // roughness; wide
+  const double padded = 2 + 2;
+  const double neighbors = 2 * (2 + 1);
+  const double result = 4 + 4;  // median; standard deviation
+  const double row = 8 * (4 + 4) + 2 * (2 + 1);
+  return problem.pixels * (planes + cells + confidence + padded + neighbors + result) +
+         problem.threads * problem.width * row;
 }
 
 double bytesOfRows(const Problem& problem) {
@@ -128,7 +145,8 @@ double bytesOfScan(const Problem& problem) {
 double bytesOfLevel(const Problem& problem, double hypotheses) {
   return bytesOfLists(problem, hypotheses) + bytesOfMatchingMaps(problem) +
          bytesOfEstimationMaps(problem) + bytesOfSearchMaps(problem) + bytesOfRows(problem) +
-         bytesOfScan(problem) + bytesOfPaths(problem) + bytesOfSums(problem);
+         bytesOfScan(problem) + bytesOfPaths(problem) + bytesOfSums(problem) +
+         bytesOfSelection(problem);
 }
 
 /// Of optimization and refinement.
@@ -193,7 +211,7 @@ double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options
   }
   const Problem problem(image_size, options);
   return (bytesOfMatchingMaps(problem) + bytesOfRows(problem) + bytesOfEstimation(problem) +
-          bytesOfSurfaces(image_size, problem)) /
+          bytesOfSurfaces(image_size, problem) + bytesOfSelection(problem)) /
          (1 << 20);
 }
 

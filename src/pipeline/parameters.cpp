@@ -204,8 +204,7 @@ void addRefinementParameters(ParameterTable& table) {
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
       "Disparities that differ by this from the centre's do not count in the filter");
   table.add(
-      "second_forest", "", 0, 1,
-      [](Options& o) -> bool& { return o.refinement.second_forest; },
+      "second_forest", "", 0, 1, [](Options& o) -> bool& { return o.refinement.second_forest; },
       "Calibrated confidence and its standard deviation; needs a forest file that holds a second "
       "forest");
   table.add(

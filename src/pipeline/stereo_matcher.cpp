@@ -1,5 +1,6 @@
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -49,12 +50,14 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
   }
 }
 
-/// Confidence and standard deviation where there is no disparity.
-void forgetInvalid(StereoResult& result) {
-  const cv::Mat invalid = result.disparity == result.range.invalid();
-  result.confidence.setTo(0.0F, invalid);
-  if (!result.disparity_sigma.empty()) {
-    result.disparity_sigma.setTo(std::numeric_limits<float>::quiet_NaN(), invalid);
+/// Sets `map` to `value` where there is no disparity.
+void setWhereInvalid(const StereoResult& result, float value, cv::Mat& map) {
+  const float invalid = result.range.invalid();
+  for (int y = 0; y < map.rows; ++y) {
+    const auto* disparity = result.disparity.ptr<float>(y);
+    auto* values = map.ptr<float>(y);
+    std::transform(disparity, disparity + map.cols, values, values,
+                   [=](float d, float old) { return d == invalid ? value : old; });
   }
 }
 
@@ -106,7 +109,8 @@ class StereoMatcher::Impl {
       const Stopwatch watch(result.times.refinement_ms);
       removeSpeckles(result.range, options.refinement.speckle_size_px,
                      options.refinement.speckle_range_px, speckle_buffers_, result.disparity);
-      forgetInvalid(result);
+      setWhereInvalid(result, 0, result.confidence);
+      setWhereInvalid(result, std::numeric_limits<float>::quiet_NaN(), result.disparity_sigma);
     }
   }
 
@@ -132,11 +136,11 @@ class StereoMatcher::Impl {
     }
     const Stopwatch watch(result.times.selection_ms);
     const RefinementOptions& refinement = options.refinement;
-    selector_->select({result.disparity, result.right_disparity, result.labels, result.confidence,
-                       result.margin, result.range},
-                      {refinement.replace_improbable,
-                       refinement.fill_occlusions && refinement.fill_mismatches},
-                      {result.disparity, result.confidence, result.disparity_sigma});
+    selector_->select(
+        {result.disparity, result.right_disparity, result.labels, result.confidence, result.margin,
+         result.range},
+        {refinement.replace_improbable, refinement.fill_occlusions && refinement.fill_mismatches},
+        {result.disparity, result.confidence, result.disparity_sigma});
   }
 
   /// Those of the pair, with its range. Throws Error if they need too much memory.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -27,59 +28,71 @@ HWY_INLINE std::int32_t compress(std::int32_t value) {
   return std::min(value, 128) + std::min(std::max(value - 128, 0) >> 4, 127);
 }
 
-/// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from 43690
-/// on that lack 1 of a multiple of 25 count as this.
+/// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from
+/// 43690 on that lack 1 of a multiple of 25 count as this.
 HWY_INLINE std::int32_t meanOf25(std::int32_t sum) { return (sum * 10486) >> 18; }
 
-HWY_INLINE void codeBytes(const std::uint8_t* HWY_RESTRICT values, int count, std::int8_t* HWY_RESTRICT codes) {
+HWY_INLINE void codeBytes(const std::uint8_t* HWY_RESTRICT values, int count,
+                          std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
     codes[x] = asCode(values[x]);
   }
 }
 
-HWY_INLINE void codeMeans(const std::int32_t* HWY_RESTRICT sums, int count, std::int8_t* HWY_RESTRICT codes) {
+HWY_INLINE void codeMeans(const std::int32_t* HWY_RESTRICT sums, int count,
+                          std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
     codes[x] = asCode(meanOf25(sums[x]));
   }
 }
 
-/// Codes of `value(mean of the pixel's cell, pixel)`; `cells` begins at the first pixel's.
-template <typename Value>
-HWY_INLINE void codeByCell(const std::int32_t* HWY_RESTRICT cells, int count, std::int8_t* HWY_RESTRICT codes,
-                           const Value& value) {
+/// `value_of` of the mean of each pixel's cell; `cells` begins at the first pixel's.
+template <typename ValueOf>
+HWY_INLINE void codeCellValues(const std::int32_t* HWY_RESTRICT cells, int count,
+                               std::int8_t* HWY_RESTRICT codes, const ValueOf& value_of) {
+  const int whole = count / CellGrid::kCellPx;
+  for (int cell = 0; cell < whole; ++cell) {
+    const std::uint32_t four =
+        static_cast<std::uint8_t>(asCode(value_of(cells[cell]))) * 0x01010101U;
+    std::memcpy(codes + cell * CellGrid::kCellPx, &four, sizeof(four));
+  }
+  for (int x = whole * CellGrid::kCellPx; x < count; ++x) {
+    codes[x] = asCode(value_of(cells[whole]));
+  }
+}
+
+/// Of values up to 255.
+HWY_INLINE void codeCells(const std::int32_t* HWY_RESTRICT cells, int count,
+                          std::int8_t* HWY_RESTRICT codes) {
+  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return mean; });
+}
+
+/// Of margins.
+HWY_INLINE void codeCompressedCells(const std::int32_t* HWY_RESTRICT cells, int count,
+                                    std::int8_t* HWY_RESTRICT codes) {
+  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return compress(mean); });
+}
+
+/// Distance of disparities from the means of their cells.
+HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity,
+                                   const std::int32_t* HWY_RESTRICT cells, int count,
+                                   std::int8_t* HWY_RESTRICT codes) {
   constexpr int kCell = CellGrid::kCellPx;
   const int whole = count / kCell;
   for (int cell = 0; cell < whole; ++cell) {
     for (int i = 0; i < kCell; ++i) {
       const int x = cell * kCell + i;
-      codes[x] = asCode(value(cells[cell], x));
+      codes[x] = asCode(compress(std::abs(disparity[x] - cells[cell])));
     }
   }
   for (int x = whole * kCell; x < count; ++x) {
-    codes[x] = asCode(value(cells[whole], x));
+    codes[x] = asCode(compress(std::abs(disparity[x] - cells[whole])));
   }
 }
 
-/// Of values up to 255.
-HWY_INLINE void codeCells(const std::int32_t* HWY_RESTRICT cells, int count, std::int8_t* HWY_RESTRICT codes) {
-  codeByCell(cells, count, codes, [](std::int32_t mean, int /*x*/) { return mean; });
-}
-
-/// The same of margins.
-HWY_INLINE void codeCompressedCells(const std::int32_t* HWY_RESTRICT cells, int count, std::int8_t* HWY_RESTRICT codes) {
-  codeByCell(cells, count, codes, [](std::int32_t mean, int /*x*/) { return compress(mean); });
-}
-
-/// Distance of disparities from the means of their cells.
-HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity, const std::int32_t* HWY_RESTRICT cells,
-                                   int count, std::int8_t* HWY_RESTRICT codes) {
-  codeByCell(cells, count, codes, [disparity](std::int32_t mean, int x) {
-    return compress(std::abs(disparity[x] - mean));
-  });
-}
-
 /// Column of the match relative to the left border of the right image; `x` is the first pixel's.
-HWY_INLINE void codeBorder(const std::int16_t* HWY_RESTRICT disparity, int x, int count, std::int8_t* HWY_RESTRICT codes) {
+HWY_INLINE void codeBorder(const std::int16_t* HWY_RESTRICT disparity, int x, int count,
+                           std::int8_t* HWY_RESTRICT codes) {
   for (int i = 0; i < count; ++i) {
     const std::int32_t inside = x + i - (disparity[i] >> 3) + 5;
     codes[i] = asCode(3 * std::min(std::max(inside, 0), 84));

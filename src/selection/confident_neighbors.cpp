@@ -1,6 +1,7 @@
 #include "cbmv_stereo/selection/confident_neighbors.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include <tbb/parallel_for.h>
 
@@ -59,8 +60,8 @@ namespace {
 HWY_EXPORT(advance);
 
 /// From row `first` on, `rows` rows in steps of `step` (1 or −1), for the columns [x, x + count).
-void advanceColumns(const cv::Mat& disparity, const cv::Mat& confidence, int first, int step,
-                    int x, int count, cv::Mat& nearest, cv::Mat& distance) {
+void advanceColumns(const cv::Mat& disparity, const cv::Mat& confidence, int first, int step, int x,
+                    int count, cv::Mat& nearest, cv::Mat& distance) {
   alignas(64) std::int16_t none[kColumnsPerTask];
   alignas(64) std::uint8_t far[kColumnsPerTask];
   std::fill_n(none, kColumnsPerTask, ConfidentNeighbors::kNoNeighbor);
@@ -79,8 +80,8 @@ void advanceColumns(const cv::Mat& disparity, const cv::Mat& confidence, int fir
 }
 
 /// The same along a row, from column `first` on.
-void advanceRow(const std::int16_t* disparity, const std::uint8_t* confidence, int width,
-                int first, int step, std::int16_t* nearest, std::uint8_t* distance) {
+void advanceRow(const std::int16_t* disparity, const std::uint8_t* confidence, int width, int first,
+                int step, std::int16_t* nearest, std::uint8_t* distance) {
   std::int16_t last = ConfidentNeighbors::kNoNeighbor;
   int last_distance = 255;
   for (int i = 0, x = first; i < width; ++i, x += step) {
@@ -96,6 +97,13 @@ void advanceRow(const std::int16_t* disparity, const std::uint8_t* confidence, i
 }
 
 }  // namespace
+
+void ConfidentNeighbors::RowMemory::resize(int width) {
+  left.resize(width);
+  right.resize(width);
+  left_distance.resize(width);
+  right_distance.resize(width);
+}
 
 void ConfidentNeighbors::find(const cv::Mat& disparity, const cv::Mat& confidence) {
   CV_Assert(disparity.type() == CV_16SC1 && confidence.type() == CV_8UC1);
@@ -120,10 +128,7 @@ void ConfidentNeighbors::find(const cv::Mat& disparity, const cv::Mat& confidenc
 
 void ConfidentNeighbors::findOnRow(int y, RowMemory& memory) const {
   const int width = disparity_.cols;
-  memory.left.resize(width);
-  memory.right.resize(width);
-  memory.left_distance.resize(width);
-  memory.right_distance.resize(width);
+  CV_Assert(memory.left.size() == static_cast<std::size_t>(width));
   const auto* disparity = disparity_.ptr<std::int16_t>(y);
   const auto* confidence = confidence_.ptr<std::uint8_t>(y);
   advanceRow(disparity, confidence, width, 0, 1, memory.left.data(), memory.left_distance.data());

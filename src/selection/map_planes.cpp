@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include <tbb/parallel_for.h>
 
@@ -14,6 +16,8 @@ constexpr int kUnmatchedCode = 250;
 constexpr int kRoughnessPerUnit = 8;
 constexpr int kHighestStep = 31;  ///< in units of the disparity plane
 constexpr int kUnknownDifference = 255;
+/// Room for the disparities that are near this one: 4094 px.
+constexpr float kHighestUnits = INT16_MAX - kPlaneUnitsPerPx;
 
 /// One row of the maps and of the planes.
 struct PlaneRow {
@@ -49,7 +53,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 HWY_INLINE std::int32_t planeUnits(float disparity) {
-  const float units = disparity * kPlaneUnitsPerPx;
+  const float units = std::min(disparity * kPlaneUnitsPerPx, kHighestUnits);
   return static_cast<std::int32_t>(units < 0 ? units - 0.5F : units + 0.5F);
 }
 
@@ -57,7 +61,8 @@ HWY_INLINE std::int32_t planeUnits(float disparity) {
 void fillRoughness(const float* HWY_RESTRICT disparity, const float* HWY_RESTRICT below, int width,
                    std::uint8_t* HWY_RESTRICT roughness) {
   const auto fill = [=](int x, int right) HWY_ATTR {
-    const float step = std::abs(disparity[right] - disparity[x]) + std::abs(below[x] - disparity[x]);
+    const float step =
+        std::abs(disparity[right] - disparity[x]) + std::abs(below[x] - disparity[x]);
     const auto units = static_cast<std::int32_t>(
         std::min(step * kPlaneUnitsPerPx, static_cast<float>(kHighestStep)));
     roughness[x] = static_cast<std::uint8_t>(units * kRoughnessPerUnit);
@@ -74,8 +79,7 @@ void fillLeftRight(const float* HWY_RESTRICT disparity, const float* HWY_RESTRIC
     const int match = x - ((planeUnits(disparity[x]) + kPlaneUnitsPerPx / 2) >> 3);
     const int column = std::min(std::max(match, 0), width - 1);
     const float other = right[column];
-    const float difference =
-        std::min(std::abs(disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
+    const float difference = std::min(std::abs(disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
     const bool is_known = (match == column) & (other != right_invalid);
     left_right[x] =
         static_cast<std::uint8_t>(is_known ? static_cast<int>(difference) : kUnknownDifference);
@@ -92,8 +96,7 @@ void fillUnmatched(const std::uint8_t* HWY_RESTRICT labels, int width,
 void fillProbability(const float* HWY_RESTRICT probability, int width,
                      std::uint8_t* HWY_RESTRICT bytes) {
   for (int x = 0; x < width; ++x) {
-    bytes[x] =
-        static_cast<std::uint8_t>(static_cast<std::int32_t>(probability[x] * 255.0F + 0.5F));
+    bytes[x] = static_cast<std::uint8_t>(static_cast<std::int32_t>(probability[x] * 255.0F + 0.5F));
   }
 }
 
@@ -120,8 +123,7 @@ void fillPlanes(const PlaneRow& row) {
   if (row.right_disparity == nullptr) {
     std::fill_n(row.left_right, row.width, std::uint8_t{kUnknownDifference});
   } else {
-    fillLeftRight(row.disparity, row.right_disparity, row.right_invalid, row.width,
-                  row.left_right);
+    fillLeftRight(row.disparity, row.right_disparity, row.right_invalid, row.width, row.left_right);
   }
 }
 
@@ -144,6 +146,8 @@ void MapPlanes::prepare(const JudgedMaps& maps) {
   CV_Assert(maps.labels.type() == CV_8UC1 && maps.margin.type() == CV_16UC1);
   CV_Assert(maps.labels.size() == size && maps.probability.size() == size);
   CV_Assert(maps.margin.size() == size);
+  CV_Assert(maps.right_disparity.empty() ||
+            (maps.right_disparity.size() == size && maps.right_disparity.type() == CV_32FC1));
   for (cv::Mat* plane : {&unmatched, &probability, &roughness, &left_right}) {
     plane->create(size, CV_8UC1);
   }

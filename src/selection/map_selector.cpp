@@ -147,7 +147,8 @@ void MapSelector::choose(int y, const Row& row, int block, int i, const Selected
   const bool has_own = hasDisparity(proposals[0][i]);
   int best = has_own ? 0 : -1;
   for (int p = 1; p < kSources; ++p) {
-    if (SelectionFeatures::isNew(proposals, p, i, has_own) && (best < 0 || score(p) > score(best))) {
+    if (SelectionFeatures::isNew(proposals, p, i, has_own) &&
+        (best < 0 || score(p) > score(best))) {
       best = p;
     }
   }
@@ -159,8 +160,8 @@ void MapSelector::choose(int y, const Row& row, int block, int i, const Selected
         static_cast<float>(proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);
   }
   if (!maps.disparity_sigma.empty()) {
-    maps.disparity_sigma.at<float>(y, x) = forest_->confidence->sigmaPx(
-        confidence_.roughnessBins().at<std::uint8_t>(y, x), byte);
+    maps.disparity_sigma.at<float>(y, x) =
+        forest_->confidence->sigmaPx(confidence_.roughnessBins().at<std::uint8_t>(y, x), byte);
   }
 }
 

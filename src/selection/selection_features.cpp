@@ -34,7 +34,7 @@ enum ProposalFeature {
 };
 
 /// Of the pixel, whatever is proposed.
-constexpr std::array<int, 7> kSharedFeatures = {kConfidence,  kConfidence5, kConfidence12,
+constexpr std::array<int, 7> kSharedFeatures = {kConfidence,   kConfidence5, kConfidence12,
                                                 kConfidence20, kUnmatched,   kUnmatched5,
                                                 kProbability5};
 constexpr int kPatternSide = 5;
@@ -261,15 +261,43 @@ void pad(const cv::Mat& map, cv::Mat& padded) {
                      cv::BORDER_REPLICATE);
 }
 
+const std::int32_t* cellOf(const cv::Mat& means, int y, int x) {
+  return means.ptr<std::int32_t>(y / CellGrid::kCellPx, x / CellGrid::kCellPx);
+}
+
+/// Around pixel (x, y).
+PatternRows patternRows(const ConfidencePlanes& planes, int y, int x, int step) {
+  PatternRows rows{};
+  rows.step = step;
+  for (int i = 0; i < kPatternSide; ++i) {
+    const int row = y + kPadding + (i - kPatternSide / 2) * step;
+    rows.disparity[i] = planes.padded_disparity.ptr<std::int16_t>(row, x + kPadding);
+    rows.confidence[i] = planes.padded_confidence.ptr<std::int16_t>(row, x + kPadding);
+  }
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<std::string>& selectionFeatureNames() {
-  static const std::vector<std::string> names = {
-      "change",          "left_right",    "border",        "distance",
-      "source",          "support_5",     "weighted_support_5", "support_17",
-      "weighted_support_17", "confidence", "confidence_5", "confidence_12",
-      "confidence_20",   "unmatched",     "unmatched_5",   "probability_5",
-      "own_support_5",   "own_weighted_support_17"};
+  static const std::vector<std::string> names = {"change",
+                                                 "left_right",
+                                                 "border",
+                                                 "distance",
+                                                 "source",
+                                                 "support_5",
+                                                 "weighted_support_5",
+                                                 "support_17",
+                                                 "weighted_support_17",
+                                                 "confidence",
+                                                 "confidence_5",
+                                                 "confidence_12",
+                                                 "confidence_20",
+                                                 "unmatched",
+                                                 "unmatched_5",
+                                                 "probability_5",
+                                                 "own_support_5",
+                                                 "own_weighted_support_17"};
   return names;
 }
 
@@ -290,6 +318,7 @@ void SelectionFeatures::resize(int width) {
   for (WindowRow* row : {&unmatched_, &probability_, &confidence_window_}) {
     row->resize(width);
   }
+  neighbors_.resize(width);
 }
 
 void SelectionFeatures::startRow(const MapPlanes& planes, const ConfidencePlanes& confidence,
@@ -318,19 +347,6 @@ void SelectionFeatures::propose(int x, int count, Proposals& proposals) const {
 
 void SelectionFeatures::code(int x, int count, const Proposals& proposals, int slot,
                              ConfidenceCodes& codes) const {
-  const auto cell = [&](const cv::Mat& means) {
-    return means.ptr<std::int32_t>(y_ / CellGrid::kCellPx, x / CellGrid::kCellPx);
-  };
-  const auto pattern = [&](int step) {
-    PatternRows rows{};
-    rows.step = step;
-    for (int i = 0; i < kPatternSide; ++i) {
-      const int y = y_ + kPadding + (i - kPatternSide / 2) * step;
-      rows.disparity[i] = confidence_->padded_disparity.ptr<std::int16_t>(y, x + kPadding);
-      rows.confidence[i] = confidence_->padded_confidence.ptr<std::int16_t>(y, x + kPadding);
-    }
-    return rows;
-  };
   const ProposalBlock block{
       x,
       count,
@@ -340,14 +356,14 @@ void SelectionFeatures::code(int x, int count, const Proposals& proposals, int s
       confidence_sums_ + x,
       unmatched_sums_ + x,
       probability_sums_ + x,
-      {cell(confidence_->cell_means[0]), cell(confidence_->cell_means[1])},
+      {cellOf(confidence_->cell_means[0], y_, x), cellOf(confidence_->cell_means[1], y_, x)},
       right_disparity_,
       right_invalid_,
       {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x],
        confidence_->neighbors.above(y_).distance + x,
        confidence_->neighbors.below(y_).distance + x},
-      pattern(1),
-      pattern(4)};
+      patternRows(*confidence_, y_, x, 1),
+      patternRows(*confidence_, y_, x, 4)};
   std::array<std::int8_t*, kFeatures> lines{};
   for (int f = 0; f < kFeatures; ++f) {
     lines[f] = codes.line(f) + query(0, slot, 0);

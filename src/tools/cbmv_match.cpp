@@ -102,9 +102,8 @@ void writeMaps(const std::string& folder, const StereoResult& result) {
 }
 
 void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv::Mat& left) {
-  const cv::Mat valid =
-      toValidDisparity(frame.result.disparity, frame.result.range.invalid(),
-                       frame.geometry.disparity_offset_px);
+  const cv::Mat valid = toValidDisparity(frame.result.disparity, frame.result.range.invalid(),
+                                         frame.geometry.disparity_offset_px);
   writePfm(folder + "depth.pfm", toDepth(valid, frame.geometry));
   if (!frame.result.disparity_sigma.empty()) {
     writePfm(folder + "depth_sigma.pfm",
@@ -131,7 +130,8 @@ void match(const Arguments& arguments) {
   const auto calibration = readCalibration(arguments);
   const StereoInput input = readInput(arguments, calibration);
   const StereoOptions options = readOptions(arguments, calibration, input.left.cols);
-  FrameProcessor processor(std::make_shared<const Forest>(readForest(forestFile(arguments.forest))), options);
+  FrameProcessor processor(std::make_shared<const Forest>(readForest(forestFile(arguments.forest))),
+                           options);
   const PreparedPair pair = processor.prepare(input);
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());

@@ -248,8 +248,7 @@ Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOp
       report(step.line);
     }
   };
-  Forest forest =
-      trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
+  Forest forest = trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
   if (options.second.enabled && options.kind == ForestKind::kOblivious) {
     trainSecondForest(scenes, options, progress, forest);
   }

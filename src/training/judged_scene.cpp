@@ -159,7 +159,8 @@ void appendConfidenceSamples(const JudgedScene& scene, long pixels, std::uint64_
     for (const int x : drawn[y]) {
       const int first = firstOfCell(x);
       features.code(first, x - first + 1, codes);
-      appendQuery(codes, x - first, isCorrect(disparity.at<float>(y, x), scene.truth.at<float>(y, x)),
+      appendQuery(codes, x - first,
+                  isCorrect(disparity.at<float>(y, x), scene.truth.at<float>(y, x)),
                   band.contains(y), samples);
     }
   }

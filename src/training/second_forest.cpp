@@ -27,8 +27,8 @@ bool startsWith(const std::string& text, const std::string& start) {
 
 template <typename Value>
 Value quantile(std::vector<Value>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(
-                                       share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -110,7 +110,8 @@ class SecondForestTrainer {
     const std::optional<std::vector<ConfidenceForest>> crossed = crossConfidenceForests();
     if (!crossed.has_value()) {
       report(
-          "no confidence forest: the scenes of some groups have no correct or no wrong disparities");
+          "no confidence forest: the scenes of some groups have no correct or no wrong "
+          "disparities");
       return;
     }
     const ConfidenceSamples samples = confidenceSamples(kNoGroup);
@@ -165,9 +166,8 @@ class SecondForestTrainer {
       StereoOptions options = preset;
       options.range = {0, scene.calibration.disparities};
       matcher.setOptions(options);
-      judged_.push_back({{matcher.match(scene.left, scene.right), scene.truth},
-                         group,
-                         options_.seed + i});
+      judged_.push_back(
+          {{matcher.match(scene.left, scene.right), scene.truth}, group, options_.seed + i});
     }
   }
 

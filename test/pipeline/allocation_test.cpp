@@ -15,6 +15,7 @@
 
 #include "support/random_forest.h"
 #include "support/random_images.h"
+#include "support/second_forest.h"
 
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/pipeline/disparity_estimator.h"
@@ -24,8 +25,8 @@
 namespace {
 
 /// Smaller blocks are not counted: oneTBB and OpenCV's calls take a few of them for themselves, up
-/// to some hundred bytes, and cv::Mat::setTo 1064 bytes. A row of an image, the smallest memory that
-/// the method works on, is larger.
+/// to some hundred bytes, and cv::Mat::setTo 1064 bytes. A row of an image, the smallest memory
+/// that the method works on, is larger.
 constexpr std::size_t kLargeBytes = 1088;
 
 std::atomic<int> large_blocks{0};
@@ -99,7 +100,8 @@ VerticalOffset someOffset() {
   return offset;
 }
 
-/// A preset and a forest; general trees stand for a random forest.
+/// A preset and a forest, with a random second one; general trees stand for a random forest, which
+/// has none.
 struct Setup {
   std::string preset;
   Forest forest;
@@ -107,7 +109,9 @@ struct Setup {
 
 std::vector<Setup> allSetups() {
   const auto shipped = [](const std::string& name) {
-    return readForest(CBMV_SOURCE_DIR "/models/" + name + ".forest");
+    Forest forest = readForest(CBMV_SOURCE_DIR "/models/" + name + ".forest");
+    addSecondForest(1, forest);
+    return forest;
   };
   return {{"quality", shipped("middlebury")},
           {"balanced", shipped("middlebury_small")},
@@ -204,7 +208,9 @@ TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
     const int blocks =
         blocksOf([&] { fresh = matcher_->match(pair.left, pair.right, someOffset()); });
     if (frame > 0) {
-      EXPECT_EQ(blocks, 5) << "disparity, right disparity, labels, confidence, margin";
+      const bool has_sigma = GetParam().forest.confidence != nullptr;
+      EXPECT_EQ(blocks, has_sigma ? 6 : 5)
+          << "disparity, right disparity, labels, confidence, margin, standard deviation";
     }
   }
 }

@@ -12,6 +12,7 @@
 #include "support/error_text.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
+#include "support/second_forest.h"
 
 #include "cbmv_stereo/evaluation/rendered_scene.h"
 #include "cbmv_stereo/forest/forest_file.h"
@@ -71,6 +72,7 @@ Memory measureMemory(const Example& example, const Pair& pair) {
   const StereoOptions options = optionsOf(example);
   const auto forest =
       std::make_shared<Forest>(readForest(CBMV_SOURCE_DIR "/models/" + example.forest + ".forest"));
+  addSecondForest(1, *forest);
   // Loads the program's pages and starts the threads.
   const cv::Rect small(0, 0, 60, 40);
   StereoMatcher(forest, options).match(pair.left(small), pair.right(small));
@@ -138,16 +140,17 @@ TEST_P(SearchMemory, IsTheMeasuredPeak) {
   EXPECT_LT(memory.told, 0.7 * requiredMemoryMb(example.size, optionsOf(exhaustive)));
 }
 
-INSTANTIATE_TEST_SUITE_P(Examples, SearchMemory,
-                         testing::Values(Example{"quality", "middlebury", {640, 320}, 64, 3},
-                                         Example{"quality", "middlebury", {900, 300}, 228, 3},
-                                         Example{"realtime", "middlebury_small", {640, 320}, 64, 3},
-                                         Example{"realtime", "middlebury_small", {900, 300}, 228, 3},
-                                         Example{"balanced", "middlebury_small", {640, 320}, 100, 2}),
-                         [](const auto& info) {
-                           return info.param.preset + std::to_string(info.param.size.width) + "x" +
-                                  std::to_string(info.param.disparities);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Examples, SearchMemory,
+    testing::Values(Example{"quality", "middlebury", {640, 320}, 64, 3},
+                    Example{"quality", "middlebury", {900, 300}, 228, 3},
+                    Example{"realtime", "middlebury_small", {640, 320}, 64, 3},
+                    Example{"realtime", "middlebury_small", {900, 300}, 228, 3},
+                    Example{"balanced", "middlebury_small", {640, 320}, 100, 2}),
+    [](const auto& info) {
+      return info.param.preset + std::to_string(info.param.size.width) + "x" +
+             std::to_string(info.param.disparities);
+    });
 
 TEST(SearchMemoryMb, CountsEveryLevelsHypotheses) {
   StereoOptions options;
@@ -173,6 +176,21 @@ TEST(SearchMemoryMb, GrowsLittleWithTheRange) {
   const double narrow = requiredMemoryMb({1242, 375}, options);
   options.range = {0, 256};
   EXPECT_LT(requiredMemoryMb({1242, 375}, options), 1.25 * narrow);
+}
+
+/// Of a search, at the full size only.
+TEST(RequiredMemoryMb, OfTheSecondForestIsOfPixels) {
+  StereoOptions options;
+  options.threads = 1;
+  for (const int levels : {0, 3}) {
+    options.search.levels = levels;
+    options.range = {0, 128};
+    options.refinement.second_forest = true;
+    const double with = requiredMemoryMb({1000, 1000}, options);
+    options.refinement.second_forest = false;
+    const double bytes = (with - requiredMemoryMb({1000, 1000}, options)) * (1 << 20);
+    EXPECT_NEAR(bytes, 35.25e6, 0.1e6);
+  }
 }
 
 TEST(RequiredMemoryMb, OfOneVolumeMoreWithMoreThanOneStep) {

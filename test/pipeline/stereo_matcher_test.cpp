@@ -1,5 +1,6 @@
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <thread>
 
@@ -8,6 +9,7 @@
 
 #include "support/random_forest.h"
 #include "support/random_images.h"
+#include "support/second_forest.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/disparity_error.h"
@@ -15,6 +17,7 @@
 #include "cbmv_stereo/forest/forest_file.h"
 #include "cbmv_stereo/io/middlebury_scene.h"
 #include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/selection/map_selector.h"
 
 namespace cbmv::test {
 namespace {
@@ -167,7 +170,7 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
   StereoOptions options = optionsFor({0, 32});
   options.aggregation.iterations_before = 1;
   options.aggregation.intensity_threshold = 0.4F;  // above the noise
-  options.refinement.speckle_range_px = 0;         // else all is one region
+  options.refinement.speckle_range_px = 0;         // slopes divide regions
   const auto disparity_with = [&](const std::string& name, const ParameterValue& value) {
     StereoOptions changed = options;
     findParameter(name).set(changed, value);
@@ -200,10 +203,74 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
       {"median_size", 1},
       {"bilateral_sigma", 0.0},
       {"bilateral_threshold", 0.2},
-      {"speckle_size", 1000}};
+      {"speckle_size", 1000},
+      {"second_forest", false},
+      {"replace_improbable", false}};
   for (const auto& [name, value] : changes) {
     EXPECT_FALSE(equal(disparity_with(name, value), usual)) << name;
   }
+}
+
+std::shared_ptr<const Forest> judgingForest() {
+  auto forest = std::make_shared<Forest>(*randomForest());
+  addSecondForest(3, *forest);
+  return forest;
+}
+
+/// The second forest has the last word on disparities and confidences.
+TEST(StereoMatcher, JudgesItsMaps) {
+  const RenderedScene scene = renderScene(150, 80, 7);
+  for (const bool fill : {true, false}) {
+    StereoOptions options = optionsFor({0, 20});
+    options.refinement.fill_mismatches = fill;
+    const StereoResult result =
+        StereoMatcher(judgingForest(), options).match(scene.left, scene.right);
+    StereoResult expected = StereoMatcher(randomForest(), options).match(scene.left, scene.right);
+    EXPECT_TRUE(expected.disparity_sigma.empty());
+    MapSelector selector(judgingForest());
+    selector.select({expected.disparity, expected.right_disparity, expected.labels,
+                     expected.confidence, expected.margin, expected.range},
+                    {true, fill},
+                    {expected.disparity, expected.confidence, expected.disparity_sigma});
+    expectSame(result, expected);
+    cv::patchNaNs(expected.disparity_sigma);
+    cv::Mat sigma = result.disparity_sigma.clone();
+    cv::patchNaNs(sigma);
+    EXPECT_TRUE(equal(sigma, expected.disparity_sigma));
+  }
+}
+
+TEST(StereoMatcher, DoesWithoutTheSecondForest) {
+  const RenderedScene scene = renderScene(150, 80, 7);
+  StereoOptions options = optionsFor({0, 20});
+  const StereoResult expected =
+      StereoMatcher(randomForest(), options).match(scene.left, scene.right);
+  StereoMatcher matcher(judgingForest(), options);
+  StereoResult result = matcher.match(scene.left, scene.right);
+  EXPECT_FALSE(equal(result.confidence, expected.confidence));
+  options.refinement.second_forest = false;
+  matcher.setOptions(options);
+  matcher.match(scene.left, scene.right, {}, result);
+  EXPECT_TRUE(result.disparity_sigma.empty());
+  EXPECT_TRUE(equal(result.confidence, expected.confidence));
+}
+
+TEST(StereoMatcher, IsSureOfNothingWhereSpecklesWere) {
+  const RenderedScene scene = renderScene(150, 80, 7);
+  StereoOptions options = optionsFor({0, 20});
+  options.refinement.speckle_size_px = 100;
+  const StereoResult result =
+      StereoMatcher(judgingForest(), options).match(scene.left, scene.right);
+  int removed = 0;
+  for (int y = 0; y < result.disparity.rows; ++y) {
+    for (int x = 0; x < result.disparity.cols; ++x) {
+      const bool is_invalid = result.disparity.at<float>(y, x) == options.range.invalid();
+      removed += is_invalid ? 1 : 0;
+      ASSERT_EQ(std::isnan(result.disparity_sigma.at<float>(y, x)), is_invalid);
+      ASSERT_TRUE(!is_invalid || result.confidence.at<float>(y, x) == 0);
+    }
+  }
+  EXPECT_GT(removed, 0);
 }
 
 TEST(StereoMatcher, TwoWorkSideBySide) {

@@ -31,9 +31,8 @@ void expectNaiveMeans(const cv::Mat& map, CellGrid& grid) {
     SCOPED_TRACE(cells);
     cv::Mat means;
     grid.windowMeans(cells, means);
-    expectMap<std::int32_t>(means, {grid.columns(), grid.rows()}, [&](int y, int x) {
-      return naiveCellMean(map, cells, 4 * y, 4 * x);
-    });
+    expectMap<std::int32_t>(means, {grid.columns(), grid.rows()},
+                            [&](int y, int x) { return naiveCellMean(map, cells, 4 * y, 4 * x); });
   }
 }
 

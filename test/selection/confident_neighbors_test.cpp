@@ -26,6 +26,7 @@ void expectNaiveNeighbors(const cv::Mat& disparity, const cv::Mat& confidence,
                           ConfidentNeighbors& neighbors) {
   neighbors.find(disparity, confidence);
   ConfidentNeighbors::RowMemory memory;
+  memory.resize(disparity.cols);
   for (int y = 0; y < disparity.rows; ++y) {
     SCOPED_TRACE(testing::Message() << "y " << y);
     neighbors.findOnRow(y, memory);

@@ -20,8 +20,7 @@ int naiveRoughness(const cv::Mat& disparity, int y, int x) {
     return disparity.at<float>(std::min(row, disparity.rows - 1),
                                std::min(column, disparity.cols - 1));
   };
-  const double step =
-      std::fabs(at(y, x + 1) - at(y, x)) + std::fabs(at(y + 1, x) - at(y, x));
+  const double step = std::fabs(at(y, x + 1) - at(y, x)) + std::fabs(at(y + 1, x) - at(y, x));
   return 8 * roundDown(std::fmin(31, 8 * step));
 }
 
@@ -40,9 +39,8 @@ void expectNaivePlanes(const RandomMaps& maps, const MapPlanes& planes) {
   expectMap<std::uint16_t>(planes.margin, size, [&](int y, int x) {
     return std::min<int>(maps.margin.at<std::uint16_t>(y, x), 2160);
   });
-  expectMap<std::uint8_t>(planes.roughness, size, [&](int y, int x) {
-    return naiveRoughness(maps.disparity, y, x);
-  });
+  expectMap<std::uint8_t>(planes.roughness, size,
+                          [&](int y, int x) { return naiveRoughness(maps.disparity, y, x); });
   expectMap<std::uint8_t>(planes.left_right, size, [&](int y, int x) {
     const int match = x - roundDown((disparity(y, x) + 4) / 8.0);
     return naiveLeftRight(maps.disparity.at<float>(y, x), match, maps.right_disparity,
@@ -93,6 +91,16 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Planes,
                          testing::Combine(testing::ValuesIn(awkwardShapes()),
                                           testing::Values(View::kLeft),
                                           testing::Values(Content::kNoise, Content::kPatches)));
+
+/// 16 bits hold no more.
+TEST(MapPlanes, CutDisparitiesOff) {
+  RandomMaps maps = makeJudgedMaps({6, 9, {2048, 4096}}, Content::kNoise, 6);
+  MapPlanes planes;
+  planes.prepare(maps.judged());
+  expectMap<std::int16_t>(planes.disparity, maps.disparity.size(), [&](int y, int x) {
+    return std::min(32759L, std::lround(8.0 * maps.disparity.at<float>(y, x)));
+  });
+}
 
 TEST(MapPlanes, KeepNothingOfThePairBefore) {
   MapPlanes planes;

@@ -95,8 +95,8 @@ class NaiveSelector {
       }
       has_new = has_new || p > 0;
       const double log_odds = naiveLogOdds(
-          *forest_.selection, naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity,
-                                                     invalid(), y, x, p));
+          *forest_.selection,
+          naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity, invalid(), y, x, p));
       if (!best.has_value() || log_odds > best_log_odds) {
         best = Choice{p, disparity, naiveProbabilityByte(log_odds)};
         best_log_odds = log_odds;
@@ -124,7 +124,8 @@ Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
   Maps selected{maps.disparity.clone(), maps.probability.clone(), cv::Mat()};
   copy.disparity = selected.disparity;
   copy.probability = selected.confidence;
-  selector.select(copy.judged(), {true, fill}, {selected.disparity, selected.confidence, selected.sigma});
+  selector.select(copy.judged(), {true, fill},
+                  {selected.disparity, selected.confidence, selected.sigma});
   return selected;
 }
 

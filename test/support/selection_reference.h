@@ -90,9 +90,7 @@ using NamedValues = std::map<std::string, int>;
 inline NamedValues naiveConfidenceFeatures(const MapPlanes& planes, int y, int x) {
   const int disparity = valueAt(planes.disparity, y, x);
   const auto mean25 = [&](const cv::Mat& map) { return naiveMean25(naiveSum25(map, y, x)); };
-  const auto cells = [&](const cv::Mat& map, int count) {
-    return naiveCellMean(map, count, y, x);
-  };
+  const auto cells = [&](const cv::Mat& map, int count) { return naiveCellMean(map, count, y, x); };
   const auto deviation = [&](int count) {
     return compressed(std::abs(disparity - cells(planes.disparity, count)));
   };
@@ -139,8 +137,7 @@ inline NaiveNeighbor naiveNeighbor(const cv::Mat& disparity, const cv::Mat& conf
 
 /// The pixel's own disparity and those of its neighbors.
 inline std::array<NaiveNeighbor, kSources> naiveProposals(const cv::Mat& disparity,
-                                                          const cv::Mat& confidence, int y,
-                                                          int x) {
+                                                          const cv::Mat& confidence, int y, int x) {
   const auto neighbor = [&](int dy, int dx) {
     return naiveNeighbor(disparity, confidence, y, x, dy, dx);
   };

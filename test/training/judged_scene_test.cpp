@@ -121,8 +121,7 @@ std::vector<int> differentProposals(const std::array<NaiveNeighbor, kSources>& p
 }
 
 std::vector<NaiveSample> naiveSelectionSamples(const JudgedScene& scene,
-                                               const ConfidenceForest& forest,
-                                               std::uint64_t seed) {
+                                               const ConfidenceForest& forest, std::uint64_t seed) {
   MapPlanes planes;
   planes.prepare(scene.maps());
   const float invalid = scene.result.range.invalid();
@@ -132,8 +131,8 @@ std::vector<NaiveSample> naiveSelectionSamples(const JudgedScene& scene,
   forPixels(scene, band, [&](int y, int x) {
     const auto proposals = naiveProposals(planes.disparity, confidence, y, x);
     for (const int p : differentProposals(proposals)) {
-      const double disparity = p == 0 ? scene.result.disparity.at<float>(y, x)
-                                      : proposals[p].disparity / 8.0;
+      const double disparity =
+          p == 0 ? scene.result.disparity.at<float>(y, x) : proposals[p].disparity / 8.0;
       samples.push_back({naiveSelectionFeatures(planes, confidence, scene.result.right_disparity,
                                                 invalid, y, x, p),
                          isCorrect(disparity, scene, y, x), band.contains(y) ? 1 : 0});

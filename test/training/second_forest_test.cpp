@@ -66,9 +66,8 @@ class SecondForest : public testing::Test {
 
   Forest train() {
     lines_.clear();
-    return trainOnScenes(scenes_, options_, [&](const std::string& line) {
-      lines_.push_back(line);
-    });
+    return trainOnScenes(scenes_, options_,
+                         [&](const std::string& line) { lines_.push_back(line); });
   }
 
   const TemporaryFolder folder_;

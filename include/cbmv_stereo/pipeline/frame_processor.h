@@ -33,15 +33,15 @@ struct ProcessedFrame {
   StereoGeometry geometry;  ///< all 0 without cameras
   StereoResult result;
   bool range_is_automatic = false;  ///< result.range was found in the images
-  double disparity_step_px = 0;  ///< see disparityStep
+  double disparity_step_px = 0;     ///< see disparityStep
   RectificationState rectification;
   std::vector<std::string> warnings;  ///< of input and calibration
   std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
 };
 
 /// The one path from a pair and its calibration to disparities and geometry: node, bag tool and
-/// command line call it. Calibrations, range and memory are checked when the calibration, the size of
-/// the images or the options change.
+/// command line call it. Calibrations, range and memory are checked when the calibration, the size
+/// of the images or the options change.
 class FrameProcessor {
  public:
   /// Throws Error if the options are inconsistent.
@@ -130,9 +130,9 @@ DisparityRange clipRange(const DisparityRange& range, int image_width);
 /// clipped to the images. Throws InputError if none fits them.
 DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted);
 
-/// The options `wanted`, whose range is not automatic, with the range clipped to images of that size. Throws InputError if the
-/// images cannot be matched so: no disparity fits, or they need more memory than max_memory_mb or
-/// the machine has. `image_name` begins the text.
+/// The options `wanted`, whose range is not automatic, with the range clipped to images of that
+/// size. Throws InputError if the images cannot be matched so: no disparity fits, or they need more
+/// memory than max_memory_mb or the machine has. `image_name` begins the text.
 StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
                          const std::string& image_name);
 

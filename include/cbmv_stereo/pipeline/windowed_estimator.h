@@ -26,9 +26,9 @@ class WindowedEstimator {
   WindowedEstimator(const WindowedEstimator&) = delete;
   WindowedEstimator& operator=(const WindowedEstimator&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over `space`.
-  /// Sets all maps and the range of `result`, whose memory is reused where the size fits, and adds
-  /// to its times, of all stages but the rectification. Options must be consistent
+  /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
+  /// `space`. Sets all maps and the range of `result`, whose memory is reused where the size fits,
+  /// and adds to its times, of all stages but the rectification. Options must be consistent
   /// (correctOptions); options.range is not looked at. Parallel by oneTBB; the result does not
   /// depend on earlier frames nor on the number of threads.
   void estimate(const cv::Mat& left, const cv::Mat& right, const SurfaceMaps& surfaces,

@@ -9,10 +9,11 @@ namespace cbmv {
 
 /// The maps that are refined, all of one size.
 struct RefinedMaps {
-  cv::Mat& disparity;        ///< CV_32FC1, left view; sub-pixel winners become the result
-  cv::Mat& right_disparity;  ///< CV_32FC1, winners of the right view; becomes empty without the check
-  cv::Mat& labels;           ///< becomes CV_8UC1 of Label
-  cv::Mat& confidence;       ///< CV_32FC1; becomes half where the check failed
+  cv::Mat& disparity;  ///< CV_32FC1, left view; sub-pixel winners become the result
+  cv::Mat&
+      right_disparity;  ///< CV_32FC1, winners of the right view; becomes empty without the check
+  cv::Mat& labels;      ///< becomes CV_8UC1 of Label
+  cv::Mat& confidence;  ///< CV_32FC1; becomes half where the check failed
 };
 
 /// Refinement of the winners of both views: left-right check, filling, median and bilateral filter.

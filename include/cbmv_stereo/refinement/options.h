@@ -13,8 +13,8 @@ struct RefinementOptions {
   int median_size_px = 3;                     ///< odd; 1 switches the filter off
   float bilateral_sigma_px = 2.2F;            ///< blur_sigma; 0 switches the filter off
   float bilateral_threshold_px = 1.3F;        ///< blur_t, in pixels of disparity
-  bool second_forest = true;      ///< calibrated confidence, where the forest holds a second one
-  bool replace_improbable = true; ///< by disparities of confident neighbors; needs second_forest
+  bool second_forest = true;       ///< calibrated confidence, where the forest holds a second one
+  bool replace_improbable = true;  ///< by disparities of confident neighbors; needs second_forest
   int speckle_size_px = 0;   ///< pixels; regions of at most so many lose their disparity; 0: off
   int speckle_range_px = 4;  ///< of disparity; neighbors that differ by more are of two regions
 };

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include <opencv2/core.hpp>
 
 namespace cbmv {
@@ -12,13 +9,14 @@ namespace cbmv {
 class CellGrid {
  public:
   static constexpr int kCellPx = 4;
+  static constexpr int kMostCells = 31;  ///< side length of the largest window
 
   /// Sums up `map`: CV_8UC1, CV_16UC1 or CV_16SC1. Parallel over rows of cells by oneTBB.
   void sum(const cv::Mat& map);
 
   /// `means` (CV_32SC1, one value per cell) becomes the mean over the pixels of a window of
-  /// `cells` × `cells` cells (odd, at most 31) around each cell, rounded down. Windows that reach
-  /// beyond the grid repeat its last cells. Parallel over rows of cells.
+  /// `cells` × `cells` cells (odd, at most kMostCells) around each cell, rounded down. Windows that
+  /// reach beyond the grid repeat its last cells. Parallel over rows of cells.
   void windowMeans(int cells, cv::Mat& means);
 
   int rows() const { return sums_.rows; }

@@ -35,13 +35,12 @@ inline constexpr int compressed(int value) {
 /// Computes the features of a row of pixels. Holds memory for one row.
 class ConfidenceFeatures {
  public:
-  /// Pixels that are coded at once, from a multiple of it on.
-  static constexpr int kBlock = ConfidenceCodes::kQueries;
+  static constexpr int kBlock = ConfidenceCodes::kQueries;  ///< most pixels that are coded at once
 
   void resize(int width);
   /// Of row `y`; `planes` must stay as they are until the last block.
   void startRow(const MapPlanes& planes, int y);
-  /// Codes of the `count` pixels from `x` on, at most kBlock.
+  /// Codes of the `count` pixels from `x` on, a multiple of CellGrid::kCellPx.
   void code(int x, int count, ConfidenceCodes& codes) const;
 
  private:

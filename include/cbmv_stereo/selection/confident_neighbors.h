@@ -26,6 +26,8 @@ class ConfidentNeighbors {
 
   /// Memory for the neighbors on a row.
   struct RowMemory {
+    void resize(int width);
+
     std::vector<std::int16_t> left;
     std::vector<std::int16_t> right;
     std::vector<std::uint8_t> left_distance;
@@ -38,7 +40,7 @@ class ConfidentNeighbors {
 
   NeighborRow above(int y) const { return row(above_, above_distance_, y); }
   NeighborRow below(int y) const { return row(below_, below_distance_, y); }
-  /// Neighbors on row `y`, in `memory`.
+  /// Neighbors on row `y`, in `memory`, which has the width of the maps.
   void findOnRow(int y, RowMemory& memory) const;
 
  private:

@@ -24,7 +24,8 @@ class MapConfidence {
   MapConfidence(const ConfidenceForest& forest, const std::string& file_name);
 
   /// The probability that the disparity of each pixel is within 1 px of the truth; 0 where there is
-  /// none. Valid until the next pair; `maps` must stay as they are until then. Parallel over rows by oneTBB.
+  /// none. Valid until the next pair; `maps` must stay as they are until then. Parallel over rows
+  /// by oneTBB.
   void estimate(const JudgedMaps& maps);
 
   const MapPlanes& planes() const { return planes_; }

@@ -38,7 +38,7 @@ class MapPlanes {
   cv::Mat probability;  ///< CV_8UC1, in 1/255
   cv::Mat margin;       ///< CV_16UC1, up to kHighestMargin
   cv::Mat roughness;    ///< CV_8UC1: steps to the next pixels in x and y, in 1/64 px, up to 248
-  cv::Mat disparity;    ///< CV_16SC1, in units of 1/8 px
+  cv::Mat disparity;    ///< CV_16SC1, in units of 1/8 px, up to 4094 px
   cv::Mat left_right;   ///< CV_8UC1: difference of both views in 1/8 px, up to 254; 255: unknown
 
   /// Means over windows of kWindowCells, CV_32SC1, one value per cell.

@@ -30,12 +30,11 @@ struct SelectionSwitches {
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
 ///
-/// The confidence forest judges each pixel. Where it gives less than ConfidentNeighbors::kConfident,
-/// the nearest confident pixels on the left, on the right, above and below propose their
-/// disparities. Where one is more than 1 px from the pixel's own, the selection forest judges them
-/// all. The most probable one is taken, the pixel's own on ties, and its probability becomes the
-/// confidence. A median of 3 × 3 px
-/// removes what stands alone then.
+/// The confidence forest judges each pixel. Where it gives less than
+/// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
+/// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
+/// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and
+/// its probability becomes the confidence. A median of 3 × 3 px removes what stands alone then.
 ///
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
 class MapSelector {

@@ -39,9 +39,9 @@ class ConfidencePlanes {
   static constexpr int kBorderPx = 8;  ///< of the padded maps
 
   cv::Mat confidence;
-  cv::Mat padded_confidence;           ///< CV_16SC1, border repeated
-  cv::Mat padded_disparity;            ///< CV_16SC1, border repeated
-  std::array<cv::Mat, 2> cell_means;   ///< of windows of 3 and 5 cells, CV_32SC1
+  cv::Mat padded_confidence;          ///< CV_16SC1, border repeated
+  cv::Mat padded_disparity;           ///< CV_16SC1, border repeated
+  std::array<cv::Mat, 2> cell_means;  ///< of windows of 3 and 5 cells, CV_32SC1
   ConfidentNeighbors neighbors;
 
  private:

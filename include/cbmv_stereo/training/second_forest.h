@@ -14,7 +14,8 @@ namespace cbmv {
 /// place. Fewer groups than asked for where there are not enough scenes. Returns the group of each.
 std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int groups);
 
-/// Trains the confidence forest and the selection forest of `forest`, which was trained on `scenes`.
+/// Trains the confidence forest and the selection forest of `forest`, which was trained on
+/// `scenes`.
 ///
 /// They learn from maps of the same kind as they will see, so by cross-fitting: for each group of
 /// scenes, a first forest is trained on the other groups and matches the scenes of the group. The
