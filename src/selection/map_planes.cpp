@@ -52,9 +52,16 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
+/// Half a unit is added before the fraction is cut off, which is vector code other than
+/// std::lround.
+HWY_INLINE std::int32_t roundUpHalves(float value) {
+  const float moved = value + 0.5F;
+  return static_cast<std::int32_t>(moved);
+}
+
 HWY_INLINE std::int32_t planeUnits(float disparity) {
   const float units = std::min(disparity * kPlaneUnitsPerPx, kHighestUnits);
-  return static_cast<std::int32_t>(units < 0 ? units - 0.5F : units + 0.5F);
+  return units < 0 ? -roundUpHalves(-units) : roundUpHalves(units);
 }
 
 /// Steps from each pixel to the one on its right and the one below.
@@ -90,8 +97,7 @@ void fillPlanes(const PlaneRow& row) {
   for (int x = 0; x < row.width; ++x) {
     const bool is_unmatched = row.labels[x] != 0;
     row.unmatched[x] = static_cast<std::uint8_t>(is_unmatched ? kUnmatchedCode : 0);
-    row.probability_out[x] =
-        static_cast<std::uint8_t>(static_cast<std::int32_t>(row.probability[x] * 255.0F + 0.5F));
+    row.probability_out[x] = static_cast<std::uint8_t>(roundUpHalves(row.probability[x] * 255.0F));
     row.margin[x] = std::min<std::uint16_t>(row.margin_in[x], kHighestMargin);
     row.plane[x] = static_cast<std::int16_t>(planeUnits(row.disparity[x]));
   }

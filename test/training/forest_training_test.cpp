@@ -29,6 +29,8 @@ class ForestTraining : public testing::Test {
     scenes_ = chooseScenes({DataSet::open("middlebury_v3:" + folder_.file(""))}, {});
     options_.boosting.trees = 9;
     options_.boosting.depth = 3;
+    options_.second.confidence.trees = 3;
+    options_.second.selection.trees = 3;
     options_.random_forest.trees = 3;
     options_.random_forest.samples_per_leaf = 100;
   }
