@@ -145,6 +145,20 @@ TEST_F(SecondForest, LearnsFromNoMorePixelsThanAllowed) {
   EXPECT_THAT(forest.confidence->record.options, HasSubstr("pixels per scene 1000"));
 }
 
+/// Half of the truth lies 2 px beside what is seen: errors that are none of the deviation.
+TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
+  for (int s = 0; s < 3; ++s) {
+    RenderedScene scene = renderScene(120, 90, s);
+    for (int y = 0; y < scene.truth.rows; y += 2) {
+      scene.truth.row(y) += 2;
+    }
+    writeScene(folder_.file("S" + std::to_string(s)), scene);
+  }
+  const Forest forest = train();
+  ASSERT_NE(forest.confidence, nullptr);
+  EXPECT_THAT(forest.confidence->sigma_px, Each(Le(1.0)));
+}
+
 /// A wall of noise, where every disparity that the truth knows is right.
 RenderedScene makeWall(std::uint32_t seed) {
   constexpr int kDisparity = 5;
