@@ -97,7 +97,8 @@ void fillPlanes(const PlaneRow& row) {
   for (int x = 0; x < row.width; ++x) {
     const bool is_unmatched = row.labels[x] != 0;
     row.unmatched[x] = static_cast<std::uint8_t>(is_unmatched ? kUnmatchedCode : 0);
-    row.probability_out[x] = static_cast<std::uint8_t>(roundUpHalves(row.probability[x] * 255.0F));
+    row.probability_out[x] =
+        static_cast<std::uint8_t>(static_cast<std::int32_t>(row.probability[x] * 255.0F + 0.5F));
     row.margin[x] = std::min<std::uint16_t>(row.margin_in[x], kHighestMargin);
     row.plane[x] = static_cast<std::int16_t>(planeUnits(row.disparity[x]));
   }
