@@ -147,13 +147,13 @@ HWY_EXPORT(codeBlock);
 }  // namespace
 
 const std::vector<std::string>& confidenceFeatureNames() {
-  static const std::vector<std::string> names = {
+  static const std::vector<std::string> kNames = {
       "probability",  "margin",         "left_right",     "unmatched",    "border",
       "unmatched_5",  "probability_5",  "margin_5",       "roughness_5",  "deviation_5",
       "unmatched_12", "probability_12", "margin_12",      "deviation_12", "roughness_20",
       "deviation_20", "unmatched_36",   "probability_36", "margin_36",    "roughness_36",
       "deviation_36"};
-  return names;
+  return kNames;
 }
 
 int roughnessFeature() { return kRoughness5; }

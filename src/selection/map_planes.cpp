@@ -52,9 +52,16 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
+/// Half a unit is added before the fraction is cut off, which is vector code other than
+/// std::lround.
+HWY_INLINE std::int32_t roundUpHalves(float value) {
+  const float moved = value + 0.5F;
+  return static_cast<std::int32_t>(moved);
+}
+
 HWY_INLINE std::int32_t planeUnits(float disparity) {
   const float units = std::min(disparity * kPlaneUnitsPerPx, kHighestUnits);
-  return static_cast<std::int32_t>(units < 0 ? units - 0.5F : units + 0.5F);
+  return units < 0 ? -roundUpHalves(-units) : roundUpHalves(units);
 }
 
 /// Steps from each pixel to the one on its right and the one below.

@@ -280,25 +280,25 @@ PatternRows patternRows(const ConfidencePlanes& planes, int y, int x, int step) 
 }  // namespace
 
 const std::vector<std::string>& selectionFeatureNames() {
-  static const std::vector<std::string> names = {"change",
-                                                 "left_right",
-                                                 "border",
-                                                 "distance",
-                                                 "source",
-                                                 "support_5",
-                                                 "weighted_support_5",
-                                                 "support_17",
-                                                 "weighted_support_17",
-                                                 "confidence",
-                                                 "confidence_5",
-                                                 "confidence_12",
-                                                 "confidence_20",
-                                                 "unmatched",
-                                                 "unmatched_5",
-                                                 "probability_5",
-                                                 "own_support_5",
-                                                 "own_weighted_support_17"};
-  return names;
+  static const std::vector<std::string> kNames = {"change",
+                                                  "left_right",
+                                                  "border",
+                                                  "distance",
+                                                  "source",
+                                                  "support_5",
+                                                  "weighted_support_5",
+                                                  "support_17",
+                                                  "weighted_support_17",
+                                                  "confidence",
+                                                  "confidence_5",
+                                                  "confidence_12",
+                                                  "confidence_20",
+                                                  "unmatched",
+                                                  "unmatched_5",
+                                                  "probability_5",
+                                                  "own_support_5",
+                                                  "own_weighted_support_17"};
+  return kNames;
 }
 
 void ConfidencePlanes::prepare(const MapPlanes& planes, const cv::Mat& confidences) {

@@ -58,11 +58,12 @@ int main(int argc, char** argv) {
     const auto opened = cbmv::openDataSets(data_sets);
     cbmv::requireOtherFiles(cbmv::foldersOf(opened), {output, exported});
     const auto scenes = cbmv::chooseScenes(opened, filter);
-    const cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
+    cbmv::Samples samples = cbmv::drawSamples(scenes, options, progress);
     if (!exported.empty()) {
       cbmv::writeSamples(samples, exported);
     }
     cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
+    samples = {};  // the second forest needs the memory
     if (options.second.enabled && options.kind == cbmv::ForestKind::kOblivious) {
       cbmv::trainSecondForest(scenes, options, progress, forest);
     }

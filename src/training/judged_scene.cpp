@@ -59,7 +59,7 @@ void startSamples(const std::vector<std::string>& names, ConfidenceSamples& samp
 void appendQuery(ConfidenceCodes& codes, int query, bool is_correct, bool is_held_out,
                  ConfidenceSamples& samples) {
   for (std::size_t f = 0; f < samples.features.size(); ++f) {
-    const int code = codes.line(static_cast<int>(f))[query];
+    const std::int8_t code = codes.line(static_cast<int>(f))[query];
     samples.features[f].push_back(static_cast<std::uint8_t>(code + 128));
   }
   samples.labels.push_back(is_correct ? 1 : 0);

@@ -99,6 +99,8 @@ class SecondForestTrainer {
     }
     group_of_ = crossFittingGroups(names, options.second.groups);
     groups_ = names.empty() ? 0 : 1 + *std::max_element(group_of_.begin(), group_of_.end());
+    const auto maps = static_cast<long>(scenes.size() * options.second.matching.size());
+    pixels_ = std::min(options.second.pixels_per_scene, options.max_samples / std::max(maps, 1L));
   }
 
   void train(Forest& forest) {
@@ -176,8 +178,7 @@ class SecondForestTrainer {
     ConfidenceSamples samples;
     for (const Judged& judged : judged_) {
       if (judged.group != left_out) {
-        appendConfidenceSamples(judged.scene, options_.second.pixels_per_scene, judged.seed,
-                                samples);
+        appendConfidenceSamples(judged.scene, pixels_, judged.seed, samples);
       }
     }
     return samples;
@@ -200,8 +201,7 @@ class SecondForestTrainer {
   ConfidenceSamples selectionSamples(const std::vector<ConfidenceForest>& crossed) const {
     ConfidenceSamples samples;
     for (const Judged& judged : judged_) {
-      appendSelectionSamples(judged.scene, crossed[judged.group], options_.second.pixels_per_scene,
-                             judged.seed, samples);
+      appendSelectionSamples(judged.scene, crossed[judged.group], pixels_, judged.seed, samples);
     }
     return samples;
   }
@@ -220,8 +220,8 @@ class SecondForestTrainer {
     measureHeldOut(samples, forest);
     std::ostringstream text;
     text << "trees " << boosting.trees << ", depth " << boosting.depth << ", learning rate "
-         << boosting.learning_rate << ", groups " << groups_ << ", pixels per scene "
-         << options_.second.pixels_per_scene << ", presets " << options_.second.matching.size();
+         << boosting.learning_rate << ", groups " << groups_ << ", pixels per scene " << pixels_
+         << ", presets " << options_.second.matching.size();
     forest.record.options = text.str();
     return forest;
   }
@@ -244,6 +244,7 @@ class SecondForestTrainer {
   const TrainingProgress& progress_;
   std::vector<int> group_of_;
   int groups_ = 0;
+  long pixels_ = 0;  ///< of each map
   std::vector<Judged> judged_;
 };
 

@@ -35,8 +35,8 @@ long peakOfTraining(const TemporaryFolder& folder, int scenes, const std::string
   return peakOfPrograms();
 }
 
-/// Forty scenes hold 8 MB of pixels more than four, and 30 times the samples if nothing limits them
-/// (150 MB).
+/// Forty scenes hold 8 MB of pixels more than four, 26 MB more of the maps that the second forest
+/// learns from, and 30 times the samples if nothing limits them (150 MB).
 TEST(TrainingMemory, DoesNotGrowWithTheScenes) {
   const TemporaryFolder folder;
   for (int s = 0; s < 4; ++s) {
@@ -45,7 +45,7 @@ TEST(TrainingMemory, DoesNotGrowWithTheScenes) {
   const std::string options = " --trees 2 --depth 2 --max-samples 30000";
   const long few = peakOfTraining(folder, 4, options);
   const long many = peakOfTraining(folder, 40, options);
-  EXPECT_LE(many, few + 5);
+  EXPECT_LE(many, few + 45);
 }
 
 }  // namespace

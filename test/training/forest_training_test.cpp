@@ -29,6 +29,8 @@ class ForestTraining : public testing::Test {
     scenes_ = chooseScenes({DataSet::open("middlebury_v3:" + folder_.file(""))}, {});
     options_.boosting.trees = 9;
     options_.boosting.depth = 3;
+    options_.second.confidence.trees = 3;
+    options_.second.selection.trees = 3;
     options_.random_forest.trees = 3;
     options_.random_forest.samples_per_leaf = 100;
   }
@@ -47,7 +49,8 @@ TEST_F(ForestTraining, SharesTheSamplesAmongTheScenes) {
   EXPECT_EQ(pixelsPerScene(1, options_), 1000);
   options_.pixels_per_scene = 50;
   EXPECT_EQ(pixelsPerScene(10, options_), 50);
-  EXPECT_TRUE(mentions(errorText([&] { pixelsPerScene(1001, options_); }), {"12012", "4 levels", "1001"}));
+  EXPECT_TRUE(
+      mentions(errorText([&] { pixelsPerScene(1001, options_); }), {"12012", "4 levels", "1001"}));
   options_.pixels_per_scene = 40000;
   options_.search.levels = 0;
   options_.max_samples = 3000;

@@ -1,6 +1,7 @@
 #include "cbmv_stereo/training/second_forest.h"
 
-#include <algorithm>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "support/random_images.h"
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
 
@@ -133,6 +135,50 @@ TEST_F(SecondForest, DependsOnTheSeedOnly) {
   const std::string checksum = train_with(1, 1);
   EXPECT_EQ(train_with(2, 1), checksum);
   EXPECT_NE(train_with(2, 2), checksum);
+}
+
+TEST_F(SecondForest, LearnsFromNoMorePixelsThanAllowed) {
+  options_.max_samples = 3000;
+  const Forest forest = train();
+  EXPECT_EQ(forest.confidence->record.samples, 3000);
+  EXPECT_LE(forest.selection->record.samples, kSources * 3000);
+  EXPECT_THAT(forest.confidence->record.options, HasSubstr("pixels per scene 1000"));
+}
+
+/// Half of the truth lies 2 px beside what is seen: errors that are none of the deviation.
+TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
+  for (int s = 0; s < 3; ++s) {
+    RenderedScene scene = renderScene(120, 90, s);
+    for (int y = 0; y < scene.truth.rows; y += 2) {
+      scene.truth.row(y) += 2;
+    }
+    writeScene(folder_.file("S" + std::to_string(s)), scene);
+  }
+  const Forest forest = train();
+  ASSERT_NE(forest.confidence, nullptr);
+  EXPECT_THAT(forest.confidence->sigma_px, Each(Le(1.0)));
+}
+
+/// A wall of noise, where every disparity that the truth knows is right.
+RenderedScene makeWall(std::uint32_t seed) {
+  constexpr int kDisparity = 5;
+  RenderedScene scene;
+  scene.left = makeGrey({120, 90}, Content::kNoise, seed);
+  cv::copyMakeBorder(scene.left.colRange(kDisparity, 120), scene.right, 0, 0, 0, kDisparity,
+                     cv::BORDER_REPLICATE);
+  scene.truth = cv::Mat(90, 120, CV_32FC1, cv::Scalar(kDisparity));
+  scene.truth.colRange(0, 30).setTo(std::numeric_limits<float>::infinity());
+  scene.visible = scene.truth == kDisparity;
+  return scene;
+}
+
+TEST_F(SecondForest, TakesRightAndWrongDisparities) {
+  for (int s = 0; s < 3; ++s) {
+    writeScene(folder_.file("S" + std::to_string(s)), makeWall(s));
+  }
+  const Forest forest = train();
+  EXPECT_EQ(forest.confidence, nullptr);
+  EXPECT_THAT(lines_, Contains(HasSubstr("no correct or no wrong disparities")));
 }
 
 TEST_F(SecondForest, TakesTwoGroups) {

@@ -15,6 +15,7 @@ namespace cbmv {
 /// them checks that they are the ones it has (requireFeatures).
 struct ConfidenceForest : ObliviousForest {
   static constexpr int kMaxFeatures = 64;
+  // cppcheck-suppress duplInheritedMember  // fewer than other forests have
   static constexpr int kMaxTrees = 256;            ///< the sum of their leaves fits 16 bits
   static constexpr int kSigmaConfidenceBins = 10;  ///< of the probability, of equal widths
   static constexpr int kSigmaRoughnessBins = 4;

@@ -36,7 +36,8 @@ struct SecondForestOptions {
 struct TrainingOptions {
   ForestKind kind = ForestKind::kOblivious;
   long pixels_per_scene = 100000;  ///< at most, of each level; each gives up to three samples
-  /// At most, over all scenes, each of which gets the same share: bounds the memory.
+  /// At most, over all scenes, each of which gets the same share: bounds the memory. Of the second
+  /// forest: pixels, each of which gives up to five samples.
   long max_samples = 3000000;
   /// The search that the forest is made for: samples come from all of its levels. 0 levels: from
   /// the full size and the whole range alone.
