@@ -80,20 +80,31 @@ double bytesOfEstimationMaps(const Problem& problem) {
   return problem.pixels * (edges + arms + refinement + result);
 }
 
-/// Maps of the second forest, and the rows that its threads work on.
+/// Of a forest that chooses among neighbors: its planes, and the rows that its threads work on.
+double bytesOfChoice(const Problem& problem) {
+  const double cells = (2 + 2) * 4.0 / 16;
+  const double wide_and_padded = 2 + 2 + 2;
+  const double neighbors = 2 * (2 + 1);
+  const double median = 4;
+  const double row = 3 * (4 + 4) + 2 * (2 + 1);
+  return problem.pixels * (cells + wide_and_padded + neighbors + median) +
+         problem.threads * problem.width * row;
+}
+
+/// The same of the second forest as a whole.
 double bytesOfSelection(const Problem& problem) {
-  if (!problem.options.refinement.second_forest) {
+  const RefinementOptions& options = problem.options.refinement;
+  if (!options.second_forest) {
     return 0;
   }
   const double planes = 1 + 1 + 2 + 1 + 2 + 1;
-  const double cells = (5 * 3 + 2 + 2 * 2) * 4.0 / 16;  // means over windows and sums
-  const double confidence = 1 + 1 + 2;                  // roughness; wide
-  const double padded = 2 + 2;
-  const double neighbors = 2 * (2 + 1);
-  const double result = 4 + 4;  // median; standard deviation
-  const double row = 8 * (4 + 4) + 2 * (2 + 1);
-  return problem.pixels * (planes + cells + confidence + padded + neighbors + result) +
-         problem.threads * problem.width * row;
+  const double cells = (5 * 3 + 2) * 4.0 / 16;  // means over windows and sums
+  const double confidence_and_bins = 1 + 1;
+  const double sigma = 4;
+  const double row = 5 * (4 + 4);
+  return problem.pixels * (planes + cells + confidence_and_bins + sigma) +
+         problem.threads * problem.width * row +
+         (options.replace_improbable ? bytesOfChoice(problem) : 0);
 }
 
 double bytesOfRows(const Problem& problem) {

@@ -186,7 +186,10 @@ TEST(RequiredMemoryMb, OfTheSecondForestIsOfPixels) {
     options.search.levels = levels;
     options.range = {0, 128};
     options.refinement.second_forest = true;
+    options.refinement.replace_improbable = true;
     const double with = requiredMemoryMb({1000, 1000}, options);
+    options.refinement.replace_improbable = false;
+    EXPECT_NEAR((with - requiredMemoryMb({1000, 1000}, options)) * (1 << 20), 17e6, 0.1e6);
     options.refinement.second_forest = false;
     const double bytes = (with - requiredMemoryMb({1000, 1000}, options)) * (1 << 20);
     EXPECT_NEAR(bytes, 35.25e6, 0.1e6);

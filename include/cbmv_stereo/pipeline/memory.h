@@ -19,9 +19,8 @@ namespace cbmv {
 ///   maps      about 147 W H     what the four matchers, the estimate of the vertical offset, the
 ///                               optimization, the refinement and the result hold of a pixel;
 ///                               fewer with parts of the method switched off
-///   selection 35 W H + 70 T W   of the second forest, with second_forest; counted whether the
-///   forest
-///                               has a second one or not
+///   selection 35 W H + 70 T W   of the second forest, with second_forest, whether the file has one
+///                               or not; 18 W H + 40 T W without replace_improbable
 ///   rows      T W (11 D + 130)  costs, terms and codes of the row that a thread works on, fewer
 ///                               with forests that ask for some of the matchers only
 ///   paths     4 W D             of semi-global matching
