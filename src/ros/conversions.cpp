@@ -144,6 +144,7 @@ cbmv_stereo::Status toStatus(const StereoResult& result, const NodeState& state,
   status.aggregation_ms = result.times.aggregation_ms;
   status.sgm_ms = result.times.sgm_ms;
   status.refinement_ms = result.times.refinement_ms;
+  status.selection_ms = result.times.selection_ms;
   status.total_ms = result.times.total_ms;
   status.age_ms = state.age_ms;
   const FrameCounts& counts = state.counts;

@@ -255,6 +255,7 @@ void StereoDiagnostics::describeMethod(Status& status, ros::SteadyTime now) cons
     status.add("aggregation (ms)", number(times.aggregation_ms, 1));
     status.add("sgm (ms)", number(times.sgm_ms, 1));
     status.add("refinement (ms)", number(times.refinement_ms, 1));
+    status.add("selection (ms)", number(times.selection_ms, 1));
     status.add("memory (MB)", number(newest_->memory_mb, 0));
   }
 }

@@ -103,7 +103,7 @@ void fillUnmatched(const std::uint8_t* HWY_RESTRICT labels, int width,
 void fillProbability(const float* HWY_RESTRICT probability, int width,
                      std::uint8_t* HWY_RESTRICT bytes) {
   for (int x = 0; x < width; ++x) {
-    bytes[x] = static_cast<std::uint8_t>(static_cast<std::int32_t>(probability[x] * 255.0F + 0.5F));
+    bytes[x] = static_cast<std::uint8_t>(roundUpHalves(probability[x] * 255.0F));
   }
 }
 

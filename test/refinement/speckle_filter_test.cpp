@@ -7,9 +7,6 @@
 
 #include "support/random_images.h"
 
-#include "cbmv_stereo/refinement/disparity_refiner.h"
-#include "cbmv_stereo/refinement/left_right_check.h"
-
 namespace cbmv::test {
 namespace {
 
@@ -87,26 +84,6 @@ TEST(SpeckleFilter, TakesTheWidestRange) {
   EXPECT_EQ(cv::countNonZero(disparity == range.invalid()), 2);
   EXPECT_EQ(disparity.at<float>(10, 5), range.invalid());
   EXPECT_EQ(disparity.at<float>(10, 25), range.invalid());
-}
-
-TEST(SpeckleFilter, IsTheLastStepOfTheRefinement) {
-  const DisparityRange range{0, 32};
-  cv::Mat winners(40, 60, CV_32FC1, cv::Scalar(10));
-  winners(cv::Rect(30, 20, 8, 8)) = 25;  // the median leaves that
-  const auto refine = [&](int size_px) {
-    RefinementOptions options;
-    options.left_right_check = false;
-    options.speckle_size_px = size_px;
-    cv::Mat disparity = winners.clone();
-    cv::Mat right;
-    cv::Mat labels;
-    cv::Mat confidence(winners.size(), CV_32FC1, cv::Scalar(1));
-    DisparityRefiner().refine(winners, range, options, {disparity, right, labels, confidence});
-    return cv::countNonZero(disparity == range.invalid());
-  };
-  EXPECT_EQ(refine(0), 0);
-  EXPECT_EQ(refine(30), 0);
-  EXPECT_GT(refine(64), 40);
 }
 
 }  // namespace

@@ -118,8 +118,7 @@ TEST(GreyPair, ConvertsYuvUnderAllItsNames) {
     cv::extractChannel(packed, luma, luma_channel);
     EXPECT_EQ(cv::norm(grayPairOf(messages).left, luma, cv::NORM_INF), 0);
     cv::Mat bgr;
-    cv::cvtColor(packed, bgr,
-                 luma_channel == 1 ? cv::COLOR_YUV2BGR_UYVY : cv::COLOR_YUV2BGR_YUY2);
+    cv::cvtColor(packed, bgr, luma_channel == 1 ? cv::COLOR_YUV2BGR_UYVY : cv::COLOR_YUV2BGR_YUY2);
     EXPECT_EQ(cv::norm(toColor(*messages.left_image, "/color", even), bgr, cv::NORM_INF), 0);
   }
 }
@@ -388,7 +387,8 @@ TEST(Geometry, RefusesUnusableCameras) {
   for (const double tx : {0.0, 30.0}) {
     messages = goodMessages();
     messages.right_info->P[3] = tx;
-    expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "one by one"});
+    expectBadInfo(messages, InputFault::kUncalibrated,
+                  {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "one by one"});
   }
   messages = goodMessages();  // each may be, their quotient may not
   messages.right_info->P[0] = 1e-6;
@@ -852,7 +852,7 @@ TEST(DisparityColorImage, RunsFromBlueToRedAndIsBlackWhereThereIsNone) {
 
 TEST(StatusMessage, HasEveryField) {
   StereoResult result = smallResult();
-  result.times = {1, 2, 3, 4, 5, 15.5};
+  result.times = {1, 2, 3, 4, 5, 6, 21.5};
   result.rectification.offset_px = 0.5;
   result.rectification.slope_x = 0.25;
   result.rectification.slope_y = 0.125;
@@ -870,7 +870,8 @@ TEST(StatusMessage, HasEveryField) {
   EXPECT_EQ(status.aggregation_ms, 3);
   EXPECT_EQ(status.sgm_ms, 4);
   EXPECT_EQ(status.refinement_ms, 5);
-  EXPECT_EQ(status.total_ms, 15.5);
+  EXPECT_EQ(status.selection_ms, 6);
+  EXPECT_EQ(status.total_ms, 21.5);
   EXPECT_EQ(status.age_ms, 12.5);
   EXPECT_EQ(status.frames_processed, 10U);
   EXPECT_EQ(status.dropped_busy, 20U);

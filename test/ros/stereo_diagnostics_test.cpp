@@ -37,7 +37,7 @@ ProcessedFrame makeFrame(double offset_px = 0) {
   frame.left_gray = cv::Mat(48, 64, CV_8UC1);
   frame.geometry.focal_length_px = 700;
   frame.geometry.baseline_m = 0.12;
-  frame.result.times = {1, 20, 30, 40, 5, 96};
+  frame.result.times = {1, 20, 30, 40, 5, 6, 102};
   frame.result.memory_mb = 123;
   frame.rectification.is_watched = true;
   frame.rectification.age_s = 0.5;
@@ -205,13 +205,14 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
   EXPECT_EQ(method.level, DiagnosticStatus::OK);
   const std::map<std::string, std::string> expected = {{"forest", "a.forest"},
                                                        {"threads", "4"},
-                                                       {"total, mean (ms)", "96.0"},
-                                                       {"total, largest (ms)", "96.0"},
+                                                       {"total, mean (ms)", "102.0"},
+                                                       {"total, largest (ms)", "102.0"},
                                                        {"rectification (ms)", "1.0"},
                                                        {"volume (ms)", "20.0"},
                                                        {"aggregation (ms)", "30.0"},
                                                        {"sgm (ms)", "40.0"},
                                                        {"refinement (ms)", "5.0"},
+                                                       {"selection (ms)", "6.0"},
                                                        {"disparities", "0 ... 63 px"},
                                                        {"memory (MB)", "123"},
                                                        {"parameters that were not taken", "none"}};

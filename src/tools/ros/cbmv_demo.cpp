@@ -139,6 +139,7 @@ void printTimes(const Recording& recording) {
       {"aggregation", &cbmv_stereo::Status::aggregation_ms},
       {"semi-global", &cbmv_stereo::Status::sgm_ms},
       {"refinement", &cbmv_stereo::Status::refinement_ms},
+      {"selection", &cbmv_stereo::Status::selection_ms},
       {"all stages", &cbmv_stereo::Status::total_ms}};
   std::printf("time of each stage (median of %zu frames):\n", recording.statuses.size());
   for (const auto& [name, field] : fields) {
