@@ -110,8 +110,8 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
                return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
              }),
       output("confidence",
-             "32FC1 in [0, 1]: probability that the disparity is right; halved where the "
-             "left-right check failed, 0 where there is none",
+             "32FC1 in [0, 1]: probability that the disparity is within 1 px of the truth "
+             "([confidence.md](confidence.md)); 0 where there is none",
              [](const Frame& f) { return toConfidenceImage(f.result(), f.header); }),
       output("valid_mask", "mono8: 255 where there is a disparity, 0 where there is none",
              [](const Frame& f) { return toValidMask(f.result(), f.header); }),
