@@ -96,6 +96,32 @@ TEST(Replacement, TakesLensDistortionOff) {
   EXPECT_GT(rightShare(values, pair.disparity), 0.97);
 }
 
+TEST(Replacement, LeavesOutImprobableDisparities) {
+  ros::NodeHandle nh("/robot");
+  RawCameras cameras("/robot", "port", "starboard");
+  Collector<stereo_msgs::DisparityImage> disparity;
+  Collector<sensor_msgs::Image> confidence;
+  disparity.subscribe(nh, "disparity");
+  confidence.subscribe(nh, "confidence");
+  const StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
+  ASSERT_TRUE(waitFor(
+      [&] {
+        cameras.publish(makeRedMessages(pair, ros::Time::now()));
+        wait(0.2);
+        return disparity.count() > 1 && confidence.count() > 1 &&
+               disparity.newest().header.stamp == confidence.newest().header.stamp;
+      },
+      30));
+  const stereo_msgs::DisparityImage& message = disparity.newest();
+  const sensor_msgs::Image& probabilities = confidence.newest();
+  const cv::Mat values(kSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
+  const cv::Mat sure(kSize, CV_32FC1, const_cast<std::uint8_t*>(probabilities.data.data()));
+  const cv::Mat left_out = values == message.min_disparity - 1;
+  EXPECT_EQ(cv::countNonZero(left_out != (sure < 0.5F)), 0);
+  EXPECT_GT(cv::countNonZero(left_out), 0);
+  EXPECT_LT(cv::countNonZero(left_out), values.total() / 2);
+}
+
 TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot", "port", "starboard");

@@ -101,6 +101,25 @@ class EvaluationReport(ScriptTest):
                      says=f"{report} is not a JSON report of cbmv_eval")
 
 
+class ConfidencePictures(ScriptTest):
+    def test_missing_report(self):
+        report = self.folder / "report.json"
+        self.refuses("confidence_pictures", "--kitti", report, "--output", self.folder,
+                     says=f"{report} cannot be read")
+
+    def test_report_without_confidence(self):
+        report = self.folder / "report.json"
+        report.write_text('{"scenes": [{"scene": "Teddy"}]}', encoding="utf-8")
+        self.refuses("confidence_pictures", "--kitti", report, "--output", self.folder,
+                     says="has no confidence of every scene")
+
+    def test_something_else_than_a_map(self):
+        for name in ("depth_sigma.pfm", "disparity.pfm", "confidence.pfm"):
+            (self.folder / name).write_text("P5 2 2", encoding="utf-8")
+        self.refuses("confidence_pictures", "--maps", self.folder, self.folder, "--output",
+                     self.folder, says="depth_sigma.pfm is no map")
+
+
 class Benchmark(ScriptTest):
     def refuses_with(self, says, *arguments, lines=1, **environment):
         self.refuses("benchmark", "--build", self.folder / "programs", "--output",
