@@ -98,7 +98,7 @@ class EvaluationReport(ScriptTest):
         report = self.folder / "report.json"
         report.write_text("{}")
         self.refuses("evaluation_report", report, "--output", self.folder / "page.html",
-                     says=f"{report} is not a JSON report of cbmv_eval")
+                     says=f"{report} is not a JSON report of this version of cbmv_eval")
 
 
 class ConfidencePictures(ScriptTest):
