@@ -94,49 +94,52 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using PixelTag = hn::CappedTag<std::int16_t, 16>;
 
-/// Of the pixels from `begin` on, as many as a vector has lanes. Those beyond the row read the
-/// padding.
-HWY_INLINE void findSupport(const PatternRows& rows, const SelectionFeatures::Proposals& proposals,
-                            int begin, Support& support) {
+/// Calls f(disparities, confidences) for each pixel of the pattern around the pixels from `begin`
+/// on, as many as a vector has lanes. Those beyond the row read the padding.
+template <class F>
+HWY_INLINE void forPattern(const PatternRows& rows, int begin, const F& f) {
   const PixelTag tag;
-  using V = hn::Vec<PixelTag>;
-  const V far = hn::Set(tag, kNear + 1);
-  const V one = hn::Set(tag, 1);
-  V total = hn::Zero(tag);
-  V proposal[kSources];
-  V count[kSources];
-  V weight[kSources];
-#pragma GCC unroll 8
-  for (int p = 0; p < kSources; ++p) {
-    proposal[p] = hn::LoadU(tag, proposals[p].data() + begin);
-    count[p] = weight[p] = hn::Zero(tag);
-  }
   for (int dy = 0; dy < kPatternSide; ++dy) {
     for (int dx = 0; dx < kPatternSide; ++dx) {
       const int x = begin + (dx - kPatternSide / 2) * rows.step;
-      const V disparity = hn::LoadU(tag, rows.disparity[dy] + x);
-      const V confidence = hn::LoadU(tag, rows.confidence[dy] + x);
-      total = hn::Add(total, confidence);
-#pragma GCC unroll 8
-      for (int p = 0; p < kSources; ++p) {
-        const auto is_near = hn::Lt(hn::Abs(hn::SaturatedSub(disparity, proposal[p])), far);
-        count[p] = hn::Add(count[p], hn::IfThenElseZero(is_near, one));
-        weight[p] = hn::Add(weight[p], hn::IfThenElseZero(is_near, confidence));
-      }
+      f(hn::LoadU(tag, rows.disparity[dy] + x), hn::LoadU(tag, rows.confidence[dy] + x));
     }
   }
-#pragma GCC unroll 8
-  for (int p = 0; p < kSources; ++p) {
-    hn::StoreU(count[p], tag, support.count[p].data() + begin);
-    hn::StoreU(weight[p], tag, support.weight[p].data() + begin);
-  }
-  hn::StoreU(total, tag, support.total_weight.data() + begin);
+}
+
+using PixelVector = hn::Vec<PixelTag>;
+
+/// Pixels that are near a proposal, and their weight.
+HWY_INLINE void findSupport(const PatternRows& rows, const std::int16_t* proposals, int begin,
+                            std::int16_t* counts, std::int16_t* weights) {
+  const PixelTag tag;
+  const auto far = hn::Set(tag, kNear + 1);
+  const auto one = hn::Set(tag, 1);
+  const auto proposal = hn::LoadU(tag, proposals + begin);
+  auto count = hn::Zero(tag);
+  auto weight = hn::Zero(tag);
+  forPattern(rows, begin, [&](PixelVector disparity, PixelVector confidence) HWY_ATTR {
+    const auto is_near = hn::Lt(hn::Abs(hn::SaturatedSub(disparity, proposal)), far);
+    count = hn::Add(count, hn::IfThenElseZero(is_near, one));
+    weight = hn::Add(weight, hn::IfThenElseZero(is_near, confidence));
+  });
+  hn::StoreU(count, tag, counts + begin);
+  hn::StoreU(weight, tag, weights + begin);
 }
 
 void findSupport(const PatternRows& rows, const SelectionFeatures::Proposals& proposals,
                  Support& support) {
-  for (int begin = 0; begin < kBlock; begin += static_cast<int>(hn::Lanes(PixelTag()))) {
-    findSupport(rows, proposals, begin, support);
+  const PixelTag tag;
+  for (int begin = 0; begin < kBlock; begin += static_cast<int>(hn::Lanes(tag))) {
+    auto total = hn::Zero(tag);
+    forPattern(rows, begin, [&](PixelVector /*disparity*/, PixelVector confidence) HWY_ATTR {
+      total = hn::Add(total, confidence);
+    });
+    hn::StoreU(total, tag, support.total_weight.data() + begin);
+    for (int p = 0; p < kSources; ++p) {
+      findSupport(rows, proposals[p].data(), begin, support.count[p].data(),
+                  support.weight[p].data());
+    }
   }
 }
 
