@@ -117,6 +117,9 @@ bool MapSelector::canChange(int y, int x, const SelectionFeatures::Proposals& pr
   if (!isUnsure(confidence_.confidence().at<std::uint8_t>(y, x)) || (!fill && !has_own)) {
     return false;
   }
+  if (has_own && confidence_.planes().unmatched.at<std::uint8_t>(y, x) == 0) {
+    return false;  // both views agree: a thin object has few pixels to support it, too
+  }
   bool is_any_new = false;
   for (int p = 1; p < kSources; ++p) {
     is_any_new = is_any_new || SelectionFeatures::isNew(proposals, p, i, has_own);

@@ -13,6 +13,7 @@
 #include "support/second_forest.h"
 #include "support/simd_targets.h"
 
+#include "cbmv_stereo/refinement/left_right_check.h"
 #include "cbmv_stereo/refinement/median_filter.h"
 
 namespace cbmv::test {
@@ -59,7 +60,8 @@ class NaiveSelector {
     const bool has_disparity = maps_.disparity.at<float>(y, x) != invalid();
     const int own = valueAt(confidence_, y, x);
     std::optional<Choice> choice;
-    if (has_disparity && own >= ConfidentNeighbors::kConfident) {
+    const bool is_matched = has_disparity && maps_.labels.at<std::uint8_t>(y, x) == kMatch;
+    if (is_matched || (has_disparity && own >= ConfidentNeighbors::kConfident)) {
       choice = Choice{0, 0, own};
     } else if (has_disparity || fill) {
       choice = choose(y, x, has_disparity);
