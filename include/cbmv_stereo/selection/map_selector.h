@@ -30,7 +30,7 @@ struct SelectionSwitches {
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
 ///
-/// The confidence forest judges each pixel. Where it gives less than
+/// The confidence forest judges each pixel. Where the left-right check failed and it gives less than
 /// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
 /// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
 /// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and
