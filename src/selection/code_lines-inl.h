@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -21,12 +22,24 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE std::int8_t asCode(std::int32_t value) { return static_cast<std::int8_t>(value - 128); }
-
-/// compressed() without branches.
-HWY_INLINE std::int32_t compress(std::int32_t value) {
-  return std::min(value, 128) + std::min(std::max(value - 128, 0) >> 4, 127);
+/// Difference of both views in units of the disparity plane, up to 254; 255: not known. `units` is
+/// the disparity in these units, `match` its column in the row `right`.
+HWY_INLINE std::int32_t leftRightUnits(float units, std::int32_t match,
+                                       const float* HWY_RESTRICT right, float right_invalid,
+                                       std::int32_t last_column) {
+  const std::int32_t column = std::min(std::max(match, 0), last_column);
+  const float other = right[column];
+  const float difference = std::min(std::abs(units - other * kPlaneUnitsPerPx), 254.0F);
+  const bool is_known = (match == column) & (other != right_invalid);  // & : no branch
+  return is_known ? static_cast<std::int32_t>(difference) : kUnknownDifference;
 }
+
+/// Column in the right image that a disparity of the plane matches.
+HWY_INLINE std::int32_t matchOf(std::int32_t x, std::int32_t units) {
+  return x - ((units + kPlaneUnitsPerPx / 2) >> 3);
+}
+
+HWY_INLINE std::int8_t asCode(std::int32_t value) { return static_cast<std::int8_t>(value - 128); }
 
 /// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from
 /// 43690 on that lack 1 of a multiple of 25 count as this.
@@ -70,7 +83,7 @@ HWY_INLINE void codeCells(const std::int32_t* HWY_RESTRICT cells, int count,
 /// Of margins.
 HWY_INLINE void codeCompressedCells(const std::int32_t* HWY_RESTRICT cells, int count,
                                     std::int8_t* HWY_RESTRICT codes) {
-  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return compress(mean); });
+  codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return compressed(mean); });
 }
 
 /// Distance of disparities from the means of their cells.
@@ -82,11 +95,11 @@ HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity,
   for (int cell = 0; cell < whole; ++cell) {
     for (int i = 0; i < kCell; ++i) {
       const int x = cell * kCell + i;
-      codes[x] = asCode(compress(std::abs(disparity[x] - cells[cell])));
+      codes[x] = asCode(compressed(std::abs(disparity[x] - cells[cell])));
     }
   }
   for (int x = whole * kCell; x < count; ++x) {
-    codes[x] = asCode(compress(std::abs(disparity[x] - cells[whole])));
+    codes[x] = asCode(compressed(std::abs(disparity[x] - cells[whole])));
   }
 }
 

@@ -80,14 +80,14 @@ namespace {
 void codeMargins(const std::uint16_t* HWY_RESTRICT margins, int count,
                  std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
-    codes[x] = asCode(compress(margins[x]));
+    codes[x] = asCode(compressed(margins[x]));
   }
 }
 
 void codeMeanMargins(const std::int32_t* HWY_RESTRICT sums, int count,
                      std::int8_t* HWY_RESTRICT codes) {
   for (int x = 0; x < count; ++x) {
-    codes[x] = asCode(compress(meanOf25(sums[x])));
+    codes[x] = asCode(compressed(meanOf25(sums[x])));
   }
 }
 
@@ -97,7 +97,7 @@ void codeDeviations5(const std::int16_t* HWY_RESTRICT disparity,
   constexpr int kHighest = 25 * kHighestMargin;
   for (int x = 0; x < count; ++x) {
     const std::int32_t deviation = std::abs(25 * disparity[x] - sums[x]);
-    codes[x] = asCode(compress(meanOf25(std::min(deviation, kHighest))));
+    codes[x] = asCode(compressed(meanOf25(std::min(deviation, kHighest))));
   }
 }
 
@@ -189,9 +189,7 @@ void ConfidenceFeatures::code(int x, int count, ConfidenceCodes& codes) const {
   block.roughness_sums = roughness_sums_ + x;
   block.disparity_sums = disparity_sums_ + x;
   for (std::size_t i = 0; i < block.cells.size(); ++i) {
-    const auto cell = [&](const cv::Mat& means) {
-      return means.ptr<std::int32_t>(y_ / CellGrid::kCellPx, x / CellGrid::kCellPx);
-    };
+    const auto cell = [&](const cv::Mat& means) { return CellGrid::at(means, y_, x); };
     const MapPlanes::Windows& windows = planes_->windows[i];
     block.cells[i] = {cell(windows.unmatched), cell(windows.probability), cell(windows.margin),
                       cell(windows.roughness), cell(windows.disparity)};

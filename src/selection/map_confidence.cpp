@@ -20,12 +20,10 @@ void MapConfidence::estimate(const JudgedMaps& maps) {
     row.features.resize(confidence_.cols);
     row.codes.reserve(forest_);
   });
-  const int no_disparity = static_cast<int>(maps.range.invalid()) * kPlaneUnitsPerPx;
-  tbb::parallel_for(0, confidence_.rows,
-                    [&](int y) { estimateRow(y, no_disparity, rows_.local()); });
+  tbb::parallel_for(0, confidence_.rows, [&](int y) { estimateRow(y, rows_.local()); });
 }
 
-void MapConfidence::estimateRow(int y, int no_disparity, Row& row) {
+void MapConfidence::estimateRow(int y, Row& row) {
   row.features.startRow(planes_, y);
   auto* confidence = confidence_.ptr<std::uint8_t>(y);
   auto* bins = roughness_bins_.ptr<std::uint8_t>(y);
@@ -36,8 +34,8 @@ void MapConfidence::estimateRow(int y, int no_disparity, Row& row) {
     const auto* disparity = planes_.disparity.ptr<std::int16_t>(y, x);
     std::transform(row.scores.begin(), row.scores.begin() + count, disparity, confidence + x,
                    [&](std::uint16_t score, std::int16_t units) {
-                     return units == no_disparity ? std::uint8_t{0}
-                                                  : evaluator_.probabilityByte(score);
+                     return units == planes_.no_disparity ? std::uint8_t{0}
+                                                          : evaluator_.probabilityByte(score);
                    });
     const std::int8_t* roughness = row.codes.line(roughnessFeature());
     std::transform(roughness, roughness + count, bins + x, [&](std::int8_t code) {

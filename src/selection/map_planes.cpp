@@ -15,7 +15,6 @@ namespace {
 constexpr int kUnmatchedCode = 250;
 constexpr int kRoughnessPerUnit = 8;
 constexpr int kHighestStep = 31;  ///< in units of the disparity plane
-constexpr int kUnknownDifference = 255;
 /// Room for the disparities that are near this one: 4094 px.
 constexpr float kHighestUnits = INT16_MAX - kPlaneUnitsPerPx;
 
@@ -46,6 +45,8 @@ struct PlaneRow {
 #define HWY_TARGET_INCLUDE "selection/map_planes.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
+
+#include "selection/code_lines-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
@@ -83,13 +84,9 @@ void fillRoughness(const float* HWY_RESTRICT disparity, const float* HWY_RESTRIC
 void fillLeftRight(const float* HWY_RESTRICT disparity, const float* HWY_RESTRICT right,
                    float right_invalid, int width, std::uint8_t* HWY_RESTRICT left_right) {
   for (int x = 0; x < width; ++x) {
-    const int match = x - ((planeUnits(disparity[x]) + kPlaneUnitsPerPx / 2) >> 3);
-    const int column = std::min(std::max(match, 0), width - 1);
-    const float other = right[column];
-    const float difference = std::min(std::abs(disparity[x] - other) * kPlaneUnitsPerPx, 254.0F);
-    const bool is_known = (match == column) & (other != right_invalid);
-    left_right[x] =
-        static_cast<std::uint8_t>(is_known ? static_cast<int>(difference) : kUnknownDifference);
+    left_right[x] = static_cast<std::uint8_t>(leftRightUnits(disparity[x] * kPlaneUnitsPerPx,
+                                                             matchOf(x, planeUnits(disparity[x])),
+                                                             right, right_invalid, width - 1));
   }
 }
 
@@ -160,6 +157,7 @@ void MapPlanes::prepare(const JudgedMaps& maps) {
   }
   margin.create(size, CV_16UC1);
   disparity.create(size, CV_16SC1);
+  no_disparity = static_cast<int>(maps.range.invalid()) * kPlaneUnitsPerPx;
   tbb::parallel_for(0, size.height, [&](int y) { fillRow(maps, y); });
   sumWindows();
 }

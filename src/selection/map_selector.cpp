@@ -15,8 +15,6 @@ constexpr float kNoSigma = std::numeric_limits<float>::quiet_NaN();
 constexpr float kBytes = 255.0F;
 constexpr int kMedianSizePx = 3;
 
-bool isUnsure(std::uint8_t confidence) { return confidence < ConfidentNeighbors::kConfident; }
-
 }  // namespace
 
 MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
@@ -31,7 +29,6 @@ void MapSelector::select(const JudgedMaps& judged, const SelectionSwitches& swit
                          const SelectedMaps& maps) {
   const bool replaces = switches.replace && evaluator_.has_value();
   confidence_.estimate(judged);
-  no_disparity_ = static_cast<int>(judged.range.invalid()) * kPlaneUnitsPerPx;
   if (forest_->confidence->hasSigma()) {
     maps.disparity_sigma.create(maps.disparity.size(), CV_32FC1);
   } else {
@@ -77,9 +74,8 @@ void MapSelector::fillRow(int y, float invalid, const SelectedMaps& maps) const 
 void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps,
                             Row& row) {
   constexpr int kBlock = SelectionFeatures::kBlock;
-  const auto* bytes = confidence_.confidence().ptr<std::uint8_t>(y);
   const int width = maps.disparity.cols;
-  if (std::none_of(bytes, bytes + width, isUnsure)) {
+  if (!isAnyImprobable(y, 0, width, fill)) {
     return;
   }
   row.features.startRow(
@@ -89,7 +85,7 @@ void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const Se
   row.blocks = 0;
   for (int x = 0; x < width; x += kBlock) {
     const int count = std::min(kBlock, width - x);
-    if (std::none_of(bytes + x, bytes + x + count, isUnsure)) {
+    if (!isAnyImprobable(y, x, count, fill)) {
       continue;
     }
     SelectionFeatures::Proposals& proposals = row.proposals[row.blocks];
@@ -113,18 +109,37 @@ void MapSelector::selectRow(const JudgedMaps& judged, int y, bool fill, const Se
 /// Is there anything to choose for pixel `i` of a block, the one in column `x`?
 bool MapSelector::canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
                             int i) const {
-  const bool has_own = hasDisparity(proposals[0][i]);
-  if (!isUnsure(confidence_.confidence().at<std::uint8_t>(y, x)) || (!fill && !has_own)) {
+  if (!isImprobable(y, x, fill)) {
     return false;
   }
-  if (has_own && confidence_.planes().unmatched.at<std::uint8_t>(y, x) == 0) {
-    return false;  // both views agree: a thin object has few pixels to support it, too
-  }
+  const bool has_own = hasDisparity(proposals[0][i]);
   bool is_any_new = false;
   for (int p = 1; p < kSources; ++p) {
     is_any_new = is_any_new || SelectionFeatures::isNew(proposals, p, i, has_own);
   }
   return is_any_new;
+}
+
+/// May the disparity of a pixel be replaced? Not where both views agree: a thin object has few
+/// pixels to support it, too.
+bool MapSelector::isImprobable(int y, int x, bool fill) const {
+  const MapPlanes& planes = confidence_.planes();
+  if (confidence_.confidence().at<std::uint8_t>(y, x) >= ConfidentNeighbors::kConfident) {
+    return false;
+  }
+  return hasDisparity(planes.disparity.at<std::int16_t>(y, x))
+             ? planes.unmatched.at<std::uint8_t>(y, x) != 0
+             : fill;
+}
+
+/// Of the `count` pixels from `x` on.
+bool MapSelector::isAnyImprobable(int y, int x, int count, bool fill) const {
+  for (const int end = x + count; x < end; ++x) {
+    if (isImprobable(y, x, fill)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void MapSelector::chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row& row) const {

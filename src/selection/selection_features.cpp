@@ -176,17 +176,13 @@ void codeLeftRight(const ProposalBlock& block, const std::int16_t* HWY_RESTRICT 
   const float* HWY_RESTRICT right = block.right_disparity;
   const float invalid = block.right_invalid;
   if (right == nullptr) {
-    std::fill_n(codes, kBlock, asCode(255));
+    std::fill_n(codes, kBlock, asCode(kUnknownDifference));
     return;
   }
   for (int i = 0; i < kBlock; ++i) {
-    const std::int32_t match = first + i - ((proposals[i] + kPlaneUnitsPerPx / 2) >> 3);
-    const std::int32_t column = std::min(std::max(match, 0), last_column);
-    const float other = right[column];
-    const float own = static_cast<float>(proposals[i]);
-    const float difference = std::min(std::abs(own - other * kPlaneUnitsPerPx), 254.0F);
-    const bool is_known = (match == column) & (other != invalid);
-    codes[i] = asCode(is_known ? static_cast<std::int32_t>(difference) : 255);
+    codes[i] =
+        asCode(leftRightUnits(static_cast<float>(proposals[i]), matchOf(first + i, proposals[i]),
+                              right, invalid, last_column));
   }
 }
 
@@ -262,10 +258,6 @@ constexpr std::array<int, 2> kConfidenceCells = {3, 5};
 void pad(const cv::Mat& map, cv::Mat& padded) {
   cv::copyMakeBorder(map, padded, kPadding, kPadding, kPadding, kPadding + kBlock,
                      cv::BORDER_REPLICATE);
-}
-
-const std::int32_t* cellOf(const cv::Mat& means, int y, int x) {
-  return means.ptr<std::int32_t>(y / CellGrid::kCellPx, x / CellGrid::kCellPx);
 }
 
 /// Around pixel (x, y).
@@ -350,23 +342,23 @@ void SelectionFeatures::propose(int x, int count, Proposals& proposals) const {
 
 void SelectionFeatures::code(int x, int count, const Proposals& proposals, int slot,
                              ConfidenceCodes& codes) const {
-  const ProposalBlock block{
-      x,
-      count,
-      planes_->disparity.cols,
-      confidence_->confidence.ptr<std::uint8_t>(y_, x),
-      planes_->unmatched.ptr<std::uint8_t>(y_, x),
-      confidence_sums_ + x,
-      unmatched_sums_ + x,
-      probability_sums_ + x,
-      {cellOf(confidence_->cell_means[0], y_, x), cellOf(confidence_->cell_means[1], y_, x)},
-      right_disparity_,
-      right_invalid_,
-      {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x],
-       confidence_->neighbors.above(y_).distance + x,
-       confidence_->neighbors.below(y_).distance + x},
-      patternRows(*confidence_, y_, x, 1),
-      patternRows(*confidence_, y_, x, 4)};
+  const ProposalBlock block{x,
+                            count,
+                            planes_->disparity.cols,
+                            confidence_->confidence.ptr<std::uint8_t>(y_, x),
+                            planes_->unmatched.ptr<std::uint8_t>(y_, x),
+                            confidence_sums_ + x,
+                            unmatched_sums_ + x,
+                            probability_sums_ + x,
+                            {CellGrid::at(confidence_->cell_means[0], y_, x),
+                             CellGrid::at(confidence_->cell_means[1], y_, x)},
+                            right_disparity_,
+                            right_invalid_,
+                            {nullptr, &neighbors_.left_distance[x], &neighbors_.right_distance[x],
+                             confidence_->neighbors.above(y_).distance + x,
+                             confidence_->neighbors.below(y_).distance + x},
+                            patternRows(*confidence_, y_, x, 1),
+                            patternRows(*confidence_, y_, x, 4)};
   std::array<std::int8_t*, kFeatures> lines{};
   for (int f = 0; f < kFeatures; ++f) {
     lines[f] = codes.line(f) + query(0, slot, 0);

@@ -64,9 +64,7 @@ int main(int argc, char** argv) {
     }
     cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
     samples = {};  // the second forest needs the memory
-    if (options.second.enabled && options.kind == cbmv::ForestKind::kOblivious) {
-      cbmv::trainSecondForest(scenes, options, progress, forest);
-    }
+    cbmv::trainSecondForest(scenes, options, progress, forest);
     cbmv::writeForest(forest, output);
     std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),
                 std::max(forest.trees.size(), forest.general_trees.size()),

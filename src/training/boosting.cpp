@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "quantile.h"
 #include "training_checks.h"
 
 #include "cbmv_stereo/training/booster.h"
@@ -15,13 +16,6 @@ namespace cbmv {
 namespace {
 
 constexpr float kLowestLogLikelihood = -16.0F;
-
-float quantile(std::vector<float> values, double fraction) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(
-                                           fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 CodeMap mapBetween(float lowest, float highest) {
   const float scale = 254.0F / std::max(highest - lowest, 1e-3F);
@@ -90,9 +84,12 @@ FeatureQuantizer fitQuantizer(const Samples& samples) {
   FeatureQuantizer quantizer;
   tbb::parallel_for(0, kMatcherCount, [&](int m) {
     const auto between = [&](int low, int high, float floor) {
+      const auto quantile_of = [&](int feature, double share) {
+        std::vector<float> values = samples.features[featureIndex(m, feature)];
+        return quantile(values, share);
+      };
       const CodeMap map =
-          mapBetween(std::max(floor, quantile(samples.features[featureIndex(m, low)], 0.005)),
-                     quantile(samples.features[featureIndex(m, high)], 0.995));
+          mapBetween(std::max(floor, quantile_of(low, 0.005)), quantile_of(high, 0.995));
       quantizer.maps[featureIndex(m, low)] = map;
       quantizer.maps[featureIndex(m, high)] = map;
     };

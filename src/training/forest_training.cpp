@@ -249,9 +249,7 @@ Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOp
     }
   };
   Forest forest = trainOnSamples(drawSamples(scenes, options, progress), scenes, options, progress);
-  if (options.second.enabled && options.kind == ForestKind::kOblivious) {
-    trainSecondForest(scenes, options, progress, forest);
-  }
+  trainSecondForest(scenes, options, progress, forest);
   return forest;
 }
 

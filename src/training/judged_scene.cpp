@@ -79,10 +79,9 @@ bool isCorrect(float disparity, float truth) { return std::abs(disparity - truth
 
 /// Is proposal p of pixel i unlike those before it?
 bool isNew(const SelectionFeatures::Proposals& proposals, int p, int i) {
-  return std::none_of(proposals.begin(), proposals.begin() + p, [&](const auto& other) {
-    return other[i] != ConfidentNeighbors::kNoNeighbor &&
-           std::abs(other[i] - proposals[p][i]) <= (&other == &proposals[0] ? kPlaneUnitsPerPx : 0);
-  });
+  return p == 0 || (SelectionFeatures::isNew(proposals, p, i, true) &&
+                    std::none_of(proposals.begin() + 1, proposals.begin() + p,
+                                 [&](const auto& other) { return other[i] == proposals[p][i]; }));
 }
 
 /// The proposals of pixels of a scene as samples.
@@ -110,7 +109,7 @@ class ProposalSampler {
     features_.propose(first, i + 1, proposals_);
     features_.code(first, i + 1, proposals_, 0, codes_);
     for (int p = 0; p < kSources; ++p) {
-      if (proposals_[p][i] != ConfidentNeighbors::kNoNeighbor && isNew(proposals_, p, i)) {
+      if (isNew(proposals_, p, i)) {
         appendQuery(codes_, SelectionFeatures::query(p, 0, i),
                     isCorrect(disparityOf(p, x, i), scene_.truth.at<float>(y_, x)), is_held_out,
                     samples);

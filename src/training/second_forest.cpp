@@ -8,6 +8,8 @@
 #include <sstream>
 #include <utility>
 
+#include "quantile.h"
+
 #include "cbmv_stereo/pipeline/stereo_matcher.h"
 #include "cbmv_stereo/training/boosting.h"
 #include "cbmv_stereo/training/held_out_measures.h"
@@ -23,14 +25,6 @@ constexpr double kLowestSigmaPx = 0.01;
 
 bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
-}
-
-template <typename Value>
-Value quantile(std::vector<Value>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 bool hasBothClasses(const ConfidenceSamples& samples) {
@@ -266,7 +260,9 @@ std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int g
 
 void trainSecondForest(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                        const TrainingProgress& progress, Forest& forest) {
-  SecondForestTrainer(scenes, options, progress).train(forest);
+  if (options.second.enabled && options.kind == ForestKind::kOblivious) {
+    SecondForestTrainer(scenes, options, progress).train(forest);
+  }
 }
 
 }  // namespace cbmv

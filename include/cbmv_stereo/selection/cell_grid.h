@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <opencv2/core.hpp>
 
 namespace cbmv {
@@ -18,6 +20,11 @@ class CellGrid {
   /// `cells` × `cells` cells (odd, at most kMostCells) around each cell, rounded down. Windows that
   /// reach beyond the grid repeat its last cells. Parallel over rows of cells.
   void windowMeans(int cells, cv::Mat& means);
+
+  /// What `means` has for the cell of pixel (x, y); those of the cells on its right lie behind.
+  static const std::int32_t* at(const cv::Mat& means, int y, int x) {
+    return means.ptr<std::int32_t>(y / kCellPx, x / kCellPx);
+  }
 
   int rows() const { return sums_.rows; }
   int columns() const { return sums_.cols; }

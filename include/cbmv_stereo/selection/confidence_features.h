@@ -28,10 +28,6 @@ const std::vector<std::string>& confidenceFeatureNames();
 /// Number of the feature whose bins the model of the standard deviation has.
 int roughnessFeature();
 
-inline constexpr int compressed(int value) {
-  return value < 128 ? value : (value < 2160 ? 128 + (value - 128) / 16 : 255);
-}
-
 /// Computes the features of a row of pixels. Holds memory for one row.
 class ConfidenceFeatures {
  public:

@@ -40,7 +40,7 @@ class MapConfidence {
     alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
   };
 
-  void estimateRow(int y, int no_disparity, Row& row);
+  void estimateRow(int y, Row& row);
 
   const ConfidenceForest& forest_;
   ConfidenceEvaluator evaluator_;

@@ -30,9 +30,9 @@ struct SelectionSwitches {
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
 ///
-/// The confidence forest judges each pixel. Where the left-right check failed and it gives less than
-/// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
-/// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
+/// The confidence forest judges each pixel. Where the left-right check failed and it gives less
+/// than ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right,
+/// above and below propose their disparities. Where one is more than 1 px from the pixel's own, the
 /// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and
 /// its probability becomes the confidence. A median of 3 × 3 px removes what stands alone then.
 ///
@@ -66,13 +66,15 @@ class MapSelector {
                  int i) const;
   void chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row& row) const;
   void choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const;
-  bool hasDisparity(int own) const { return own != no_disparity_; }
+  bool isImprobable(int y, int x, bool fill) const;
+  bool isAnyImprobable(int y, int x, int count, bool fill) const;
+  /// `units` are of the disparity plane.
+  bool hasDisparity(int units) const { return units != confidence_.planes().no_disparity; }
 
   std::shared_ptr<const Forest> forest_;
   MapConfidence confidence_;
   std::optional<ConfidenceEvaluator> evaluator_;  ///< of the selection forest
   ConfidencePlanes planes_;
-  int no_disparity_ = 0;  ///< in planes' units
   cv::Mat median_padded_;
   cv::Mat filtered_;
   PerThread<Row> rows_;

@@ -86,8 +86,7 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
 Forest trainOnSamples(const Samples& samples, const std::vector<SceneReference>& scenes,
                       const TrainingOptions& options, const TrainingProgress& progress);
 
-/// Both of the above and, where it is enabled, trainSecondForest; `report` gets the lines of their
-/// steps.
+/// Both of the above and trainSecondForest; `report` gets the lines of their steps.
 Forest trainOnScenes(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                      const TrainingReport& report);
 

@@ -15,7 +15,7 @@ namespace cbmv {
 std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int groups);
 
 /// Trains the confidence forest and the selection forest of `forest`, which was trained on
-/// `scenes`.
+/// `scenes`; nothing where options.second is not enabled, or for another kind than kOblivious.
 ///
 /// They learn from maps of the same kind as they will see, so by cross-fitting: for each group of
 /// scenes, a first forest is trained on the other groups and matches the scenes of the group. The
