@@ -77,19 +77,29 @@ double rightShare(const cv::Mat& disparity, const cv::Mat& truth) {
          static_cast<double>(cv::countNonZero(checked(inside)));
 }
 
+using MakeMessages = PairMessages (*)(const StereoPair&, ros::Time);
+
+/// Publishes the pair again and again until `has_arrived()`; false where that takes too long.
+template <typename Arrived>
+bool publishUntil(RawCameras& cameras, const StereoPair& pair, MakeMessages make,
+                  const Arrived& has_arrived) {
+  return waitFor(
+      [&] {
+        cameras.publish(make(pair, ros::Time::now()));
+        wait(0.2);
+        return has_arrived();
+      },
+      30);
+}
+
 TEST(Replacement, TakesLensDistortionOff) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
   disparity.subscribe(nh, "disparity");
   const StereoPair pair = renderPair(kLargeSize, 6, 14);
-  ASSERT_TRUE(waitFor(
-      [&] {
-        cameras.publish(makeDistortedMessages(pair, ros::Time::now()));
-        wait(0.2);
-        return disparity.count() > 1;
-      },
-      30));
+  ASSERT_TRUE(
+      publishUntil(cameras, pair, makeDistortedMessages, [&] { return disparity.count() > 1; }));
   const stereo_msgs::DisparityImage& message = disparity.newest();
   EXPECT_EQ(message.header.frame_id, "left_camera");
   const cv::Mat values(kLargeSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
@@ -104,14 +114,10 @@ TEST(Replacement, LeavesOutImprobableDisparities) {
   disparity.subscribe(nh, "disparity");
   confidence.subscribe(nh, "confidence");
   const StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
-  ASSERT_TRUE(waitFor(
-      [&] {
-        cameras.publish(makeRedMessages(pair, ros::Time::now()));
-        wait(0.2);
-        return disparity.count() > 1 && confidence.count() > 1 &&
-               disparity.newest().header.stamp == confidence.newest().header.stamp;
-      },
-      30));
+  ASSERT_TRUE(publishUntil(cameras, pair, makeRedMessages, [&] {
+    return disparity.count() > 1 && confidence.count() > 1 &&
+           disparity.newest().header.stamp == confidence.newest().header.stamp;
+  }));
   const stereo_msgs::DisparityImage& message = disparity.newest();
   const sensor_msgs::Image& probabilities = confidence.newest();
   const cv::Mat values(kSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
@@ -130,13 +136,8 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   disparity.subscribe(nh, "disparity");
   points.subscribe(nh, "points2");
   const StereoPair pair = renderPair(kSize, kFarPx, kNearPx);
-  ASSERT_TRUE(waitFor(
-      [&] {
-        cameras.publish(makeRedMessages(pair, ros::Time::now()));
-        wait(0.2);
-        return disparity.count() > 1 && points.count() > 1;
-      },
-      30));
+  ASSERT_TRUE(publishUntil(cameras, pair, makeRedMessages,
+                           [&] { return disparity.count() > 1 && points.count() > 1; }));
 
   const stereo_msgs::DisparityImage& message = disparity.newest();
   EXPECT_EQ(message.header.frame_id, "left_camera");
