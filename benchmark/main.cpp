@@ -15,16 +15,16 @@
 #include <opencv2/core.hpp>
 #include <tbb/task_arena.h>
 
-#include "../src/tools/run_tool.h"
 #include "checks.h"
+#include "evaluation/rendered_poles.h"
 #include "machine.h"
 #include "pipelines.h"
 #include "problem.h"
 #include "stages.h"
 #include "support/scoped_simd_target.h"
+#include "tools/run_tool.h"
 
-#include "cbmv_stereo/evaluation/rendered_poles.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::benchmarks {
 namespace {

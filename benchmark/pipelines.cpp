@@ -5,9 +5,10 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "evaluation/opencv_baseline.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/opencv_baseline.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::benchmarks {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "problem.h"
 
-#include "cbmv_stereo/pipeline/stereo_result.h"
+#include "cbmv_stereo/stereo_result.h"
 
 namespace cbmv::benchmarks {
 

@@ -6,11 +6,12 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "evaluation/rendered_scene.h"
+#include "forest/forest_file.h"
+#include "io/image_file.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv::benchmarks {
 namespace {
@@ -93,7 +94,7 @@ StereoOptions presetOptions(const std::string& preset, const Problem& problem, i
 
 std::shared_ptr<const Forest> presetForest(const std::string& preset) {
   const char* file = preset == "quality" ? "middlebury.forest" : "middlebury_small.forest";
-  return std::make_shared<const Forest>(readForest(sourcePath(std::string("models/") + file)));
+  return loadForest(sourcePath(std::string("models/") + file));
 }
 
 }  // namespace cbmv::benchmarks

@@ -6,9 +6,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/forest/forest.h"
-#include "cbmv_stereo/pipeline/options.h"
-#include "cbmv_stereo/volume/disparity_range.h"
+#include "forest/forest.h"
+
+#include "cbmv_stereo/disparity_range.h"
+#include "cbmv_stereo/options.h"
 
 namespace cbmv::benchmarks {
 

@@ -1,57 +1,41 @@
-# The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools.
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
-find_package(Eigen3 REQUIRED)
-find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
-find_package(nlohmann_json REQUIRED)
-find_package(yaml-cpp REQUIRED)
-find_package(ZLIB REQUIRED)
-find_package(Threads REQUIRED)
-# AVX-512 with byte permutations has to be asked for. Highway avoids its emulated vectors, for machines
-# without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
-# products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
-set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
-find_package(TBB QUIET)
-if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
-  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h REQUIRED)
-  find_library(TBB_LIBRARY tbb REQUIRED)
-  add_library(TBB::tbb UNKNOWN IMPORTED)
-  set_target_properties(TBB::tbb PROPERTIES IMPORTED_LOCATION ${TBB_LIBRARY}
-                        INTERFACE_INCLUDE_DIRECTORIES ${TBB_INCLUDE_DIR})
-endif()
-
-set(CBMV_STAGES input rectification matching confidence forest volume search optimization refinement selection pipeline
-    output io evaluation)
-set(CBMV_SOURCES)
+# The ROS-free core: one folder a stage, in the order in which they build on each other.
+#   cbmv       shared, for applications: include/cbmv_stereo and nothing else is seen of it
+#   cbmv_core  static, for what this package builds: sees everything
+set(CBMV_STAGES base input io rectification matching confidence forest volume optimization search refinement
+    selection output pipeline)
+set(core_sources)
 foreach(stage ${CBMV_STAGES})
   file(GLOB stage_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
-  list(APPEND CBMV_SOURCES ${stage_sources})
+  list(APPEND core_sources ${stage_sources})
 endforeach()
 
-add_library(cbmv SHARED ${CBMV_SOURCES})
-target_include_directories(cbmv PUBLIC
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
-target_include_directories(cbmv SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+add_library(cbmv_objects OBJECT ${core_sources})
 # The vector code includes itself once per instruction set, by its path below src.
-target_include_directories(cbmv PRIVATE ${PROJECT_SOURCE_DIR}/src)
-target_compile_definitions(cbmv PRIVATE ${CBMV_HIGHWAY_OPTIONS})
-target_link_libraries(cbmv
-  PUBLIC ${OpenCV_LIBS}
-  PRIVATE Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb Threads::Threads)
-
-# Training and tuning, for the command-line programs alone: no node has to load XGBoost and NLopt.
-# Debian's CMake files for XGBoost want its program too, which is of no use here.
-find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
-find_library(XGBOOST_LIBRARY xgboost)
-if(NOT XGBOOST_INCLUDE_DIR OR NOT XGBOOST_LIBRARY)
-  message(FATAL_ERROR "XGBoost's library is missing: install libxgboost-dev")
+target_include_directories(cbmv_objects PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(cbmv_objects SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+target_compile_definitions(cbmv_objects PRIVATE ${CBMV_HIGHWAY_OPTIONS})
+set_target_properties(cbmv_objects PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # gcc's own AVX-512 header uses variables that are uninitialized on purpose (gcc bug 105593).
+  target_compile_options(cbmv_objects PRIVATE -Wno-maybe-uninitialized)
 endif()
-add_library(xgboost_c_api UNKNOWN IMPORTED)
-set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
-                      INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
-find_package(NLopt REQUIRED)
-file(GLOB training_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/training/*.cpp
-     ${PROJECT_SOURCE_DIR}/src/tuning/*.cpp)
-add_library(cbmv_training STATIC ${training_sources})
-target_compile_definitions(cbmv_training PRIVATE CBMV_VERSION="${PROJECT_VERSION}")
-target_link_libraries(cbmv_training PUBLIC cbmv
-  PRIVATE xgboost_c_api NLopt::nlopt nlohmann_json::nlohmann_json TBB::tbb)
+set(core_dependencies Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp ZLIB::ZLIB TBB::tbb
+    Threads::Threads)
+target_link_libraries(cbmv_objects PRIVATE ${OpenCV_LIBS} ${core_dependencies})
+
+add_library(cbmv SHARED $<TARGET_OBJECTS:cbmv_objects>)
+add_library(cbmv::cbmv ALIAS cbmv)
+target_compile_features(cbmv PUBLIC cxx_std_17)
+target_include_directories(cbmv PUBLIC
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(cbmv PUBLIC opencv_core PRIVATE ${OpenCV_LIBS} ${core_dependencies})
+# The standard library's templates are visible whatever the flags say: the linker hides them.
+set(version_script ${PROJECT_SOURCE_DIR}/cmake/cbmv.map)
+target_link_options(cbmv PRIVATE LINKER:--version-script=${version_script})
+set_target_properties(cbmv PROPERTIES LINK_DEPENDS ${version_script}
+                      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+
+add_library(cbmv_core STATIC $<TARGET_OBJECTS:cbmv_objects>)
+target_include_directories(cbmv_core PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(cbmv_core SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+target_link_libraries(cbmv_core PUBLIC ${OpenCV_LIBS} TBB::tbb PRIVATE ${core_dependencies})

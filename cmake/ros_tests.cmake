@@ -6,8 +6,8 @@ find_package(image_proc QUIET)
 find_package(depth_image_proc QUIET)  # a consumer of depth
 
 function(cbmv_link_ros_test target)
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(${target} PRIVATE cbmv_stereo_nodelets ${image_geometry_LIBRARIES} GTest::gtest)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+  target_link_libraries(${target} PRIVATE cbmv_ros cbmv_evaluation ${image_geometry_LIBRARIES} GTest::gtest)
   add_dependencies(tests ${target})
 endfunction()
 
@@ -42,7 +42,7 @@ set(CBMV_TEST_FOREST ${PROJECT_BINARY_DIR}/test/fixture.forest)
 add_executable(write_forest_fixture EXCLUDE_FROM_ALL
                ${PROJECT_SOURCE_DIR}/test/ros/write_forest_fixture.cpp)
 target_include_directories(write_forest_fixture PRIVATE ${PROJECT_SOURCE_DIR}/test)
-target_link_libraries(write_forest_fixture PRIVATE cbmv)
+target_link_libraries(write_forest_fixture PRIVATE cbmv_core)
 set_target_properties(write_forest_fixture PROPERTIES
                       RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 add_custom_command(OUTPUT ${CBMV_TEST_FOREST}

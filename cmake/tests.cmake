@@ -1,6 +1,5 @@
 # test/STAGE/NAME_test.cpp becomes the program NAME_test and one entry of ctest (an entry a case
 # would load OpenCV a thousand times).
-find_package(GTest REQUIRED)
 enable_testing()
 
 if(NOT TARGET tests)
@@ -14,7 +13,7 @@ foreach(test_source ${test_sources})
   target_include_directories(${test_name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
   target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              ${CBMV_HIGHWAY_OPTIONS})
-  target_link_libraries(${test_name} PRIVATE cbmv hwy::hwy TBB::tbb GTest::gtest GTest::gtest_main gmock)
+  target_link_libraries(${test_name} PRIVATE cbmv_evaluation hwy::hwy TBB::tbb GTest::gtest GTest::gtest_main gmock)
   if(test_source MATCHES "/test/(training|tuning)/")
     target_link_libraries(${test_name} PRIVATE cbmv_training xgboost_c_api)
   endif()
@@ -39,8 +38,11 @@ if(sanitizers STREQUAL "thread")
   add_test(NAME race_probe_test COMMAND race_probe_test)
   set_tests_properties(race_probe_test PROPERTIES WILL_FAIL TRUE)
 endif()
-# What the Python scripts say of wrong arguments.
+# What the Python scripts say of wrong arguments, and the order of the folders.
 add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
+add_test(NAME layers_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/layers_test.py)
+
+include(cmake/library_tests.cmake)
 
 if(CBMV_BUILD_ROS AND CATKIN_ENABLE_TESTING)
   include(cmake/ros_tests.cmake)

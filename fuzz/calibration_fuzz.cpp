@@ -1,9 +1,8 @@
 // calib.txt of Middlebury and ETH3D.
 
 #include "fuzz_target.h"
+#include "io/calibration.h"
 #include "scratch_file.h"
-
-#include "cbmv_stereo/io/calibration.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

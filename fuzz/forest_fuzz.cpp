@@ -5,13 +5,12 @@
 #include <numeric>
 #include <vector>
 
+#include "forest/confidence_evaluator.h"
+#include "forest/forest_evaluator.h"
+#include "forest/forest_file.h"
 #include "fuzz_target.h"
 #include "io/bounded_json.h"
 #include "io/crc32_text.h"
-
-#include "cbmv_stereo/forest/confidence_evaluator.h"
-#include "cbmv_stereo/forest/forest_evaluator.h"
-#include "cbmv_stereo/forest/forest_file.h"
 
 namespace {
 

@@ -1,10 +1,9 @@
 // Images: PNG, JPEG and what else OpenCV reads, as grey, as colour and as disparities.
 
 #include "fuzz_target.h"
+#include "io/disparity_file.h"
+#include "io/image_file.h"
 #include "scratch_file.h"
-
-#include "cbmv_stereo/io/disparity_file.h"
-#include "cbmv_stereo/io/image_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

@@ -1,9 +1,8 @@
 // Lists of pairs. No file that one names is there.
 
+#include "data_sets/data_set.h"
 #include "fuzz_target.h"
 #include "scratch_file.h"
-
-#include "cbmv_stereo/io/data_set.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

@@ -1,10 +1,9 @@
 // Portable float maps.
 
+#include "data_sets/visible_in_both.h"
 #include "fuzz_target.h"
+#include "io/pfm.h"
 #include "scratch_file.h"
-
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/io/pfm.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

@@ -1,10 +1,10 @@
 // Presets: YAML. What is read is made consistent, as the programs do.
 
 #include "fuzz_target.h"
+#include "pipeline/memory.h"
 #include "scratch_file.h"
 
-#include "cbmv_stereo/pipeline/memory.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

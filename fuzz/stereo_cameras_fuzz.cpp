@@ -1,9 +1,8 @@
 // Calibration files of rigs, of any format, for both cameras and for one each.
 
 #include "fuzz_target.h"
+#include "io/stereo_cameras.h"
 #include "scratch_file.h"
-
-#include "cbmv_stereo/io/stereo_cameras.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);

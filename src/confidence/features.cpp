@@ -1,4 +1,4 @@
-#include "cbmv_stereo/confidence/features.h"
+#include "confidence/features.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
 #include "confidence/fast_math-inl.h"
-#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

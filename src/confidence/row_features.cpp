@@ -1,4 +1,4 @@
-#include "cbmv_stereo/confidence/row_features.h"
+#include "confidence/row_features.h"
 
 namespace cbmv {
 

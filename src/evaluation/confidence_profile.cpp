@@ -1,10 +1,10 @@
-#include "cbmv_stereo/evaluation/confidence_profile.h"
+#include "evaluation/confidence_profile.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "map_checks.h"
+#include "evaluation/map_checks.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "evaluation/disparity_error.h"
 
 #include <algorithm>
 #include <array>
@@ -7,57 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "map_checks.h"
+#include "evaluation/map_checks.h"
 
 namespace cbmv {
 namespace {
 
-constexpr float kOccluderMargin = 1.0F;  // px of disparity
-constexpr float kOccluderReach = 1.0F;   // columns of the right image
 constexpr float kOutlierPx = 3.0F;
 constexpr float kOutlierShare = 0.05F;   // of the truth
 constexpr double kRankTolerance = 1e-9;  // 0.9 · 10 is to be 9, whatever its rounding
-
-/// A pixel whose disparity is known and where it lands in the right image.
-struct Landing {
-  float column;
-  float disparity;
-  int x;
-};
-
-/// Those of one row, in the order of where they land.
-std::vector<Landing> landings(const cv::Mat& truth, int y) {
-  std::vector<Landing> row;
-  for (int x = 0; x < truth.cols; ++x) {
-    const float d = truth.at<float>(y, x);
-    if (std::isfinite(d)) {
-      row.push_back({static_cast<float>(x) - d, d, x});
-    }
-  }
-  std::sort(row.begin(), row.end(),
-            [](const Landing& a, const Landing& b) { return a.column < b.column; });
-  return row;
-}
-
-bool isHidden(const std::vector<Landing>& row, std::size_t i, int width) {
-  const Landing& pixel = row[i];
-  if (pixel.column < -0.5F || pixel.column > static_cast<float>(width) - 0.5F) {
-    return true;
-  }
-  const auto near = [&](std::size_t j) {
-    return std::abs(row[j].column - pixel.column) < kOccluderReach;
-  };
-  std::size_t j = i;
-  while (j > 0 && near(j - 1)) {
-    --j;
-  }
-  for (; j < row.size() && near(j); ++j) {
-    if (row[j].disparity > pixel.disparity + kOccluderMargin) {
-      return true;
-    }
-  }
-  return false;
-}
 
 double percent(long part, long whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
@@ -110,18 +67,6 @@ struct ErrorSums {
 };
 
 }  // namespace
-
-cv::Mat visibleInBoth(const cv::Mat& truth) {
-  CV_Assert(truth.type() == CV_32FC1);
-  cv::Mat visible(truth.size(), CV_8UC1, cv::Scalar(0));
-  for (int y = 0; y < truth.rows; ++y) {
-    const std::vector<Landing> row = landings(truth, y);
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      visible.at<uchar>(y, row[i].x) = isHidden(row, i, truth.cols) ? 0 : 255;
-    }
-  }
-  return visible;
-}
 
 DisparityError evaluateDisparity(const cv::Mat& disparity, const cv::Mat& truth,
                                  const cv::Mat& mask, float invalid) {

@@ -1,19 +1,19 @@
-#include "cbmv_stereo/evaluation/disparity_source.h"
+#include "evaluation/disparity_source.h"
 
 #include <array>
 #include <filesystem>
 #include <limits>
 #include <utility>
 
-#include "../io/binary_file.h"
-#include "../io/file_extension.h"
-#include "../io/scene_files.h"
+#include "pipeline/machine_memory.h"
+#include "io/binary_file.h"
+#include "io/disparity_file.h"
+#include "io/file_extension.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
+#include "pipeline/frame_processor.h"
 
-#include "cbmv_stereo/io/disparity_file.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/pipeline/frame_processor.h"
-#include "cbmv_stereo/pipeline/machine_memory.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

@@ -1,11 +1,11 @@
-#include "cbmv_stereo/evaluation/evaluation.h"
+#include "evaluation/evaluation.h"
 
 #include <cmath>
 #include <exception>
 #include <optional>
 #include <sstream>
 
-#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "pipeline/machine_memory.h"
 
 namespace cbmv {
 namespace {

@@ -1,14 +1,13 @@
-#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "evaluation/evaluation_report.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "../io/binary_file.h"
-#include "../io/crc32_text.h"
-
-#include "cbmv_stereo/evaluation/confidence_summary.h"
+#include "evaluation/confidence_summary.h"
+#include "io/binary_file.h"
+#include "io/crc32_text.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/folds.h"
+#include "evaluation/folds.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/json_report.h"
+#include "evaluation/json_report.h"
 
 #include <algorithm>
 #include <array>
@@ -10,12 +10,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "../io/binary_file.h"
-#include "../io/bounded_json.h"
+#include "evaluation/confidence_summary.h"
+#include "evaluation/disparity_error.h"
+#include "io/binary_file.h"
+#include "io/bounded_json.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/confidence_summary.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
 
 namespace cbmv {
 namespace {

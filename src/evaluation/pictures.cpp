@@ -1,13 +1,12 @@
-#include "cbmv_stereo/evaluation/pictures.h"
+#include "evaluation/pictures.h"
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
-#include "../io/binary_file.h"
-
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/preview.h"
+#include "io/binary_file.h"
+#include "io/image_file.h"
+#include "io/preview.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "evaluation/rendered_scene.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,9 @@
-#include "cbmv_stereo/evaluation/scene_score.h"
+#include "evaluation/scene_score.h"
+
+#include "evaluation/disparity_error.h"
+#include "evaluation/sparsification.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/evaluation/sparsification.h"
 
 namespace cbmv {
 namespace {

@@ -1,9 +1,9 @@
-#include "cbmv_stereo/evaluation/sigma_coverage.h"
+#include "evaluation/sigma_coverage.h"
 
 #include <cmath>
 #include <limits>
 
-#include "map_checks.h"
+#include "evaluation/map_checks.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/sparsification.h"
+#include "evaluation/sparsification.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "map_checks.h"
+#include "evaluation/map_checks.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/submission.h"
+#include "evaluation/submission.h"
 
 #include <algorithm>
 #include <array>
@@ -9,13 +9,13 @@
 #include <locale>
 #include <sstream>
 
-#include "../io/binary_file.h"
+#include "evaluation/folds.h"
+#include "io/binary_file.h"
+#include "io/disparity_file.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/folds.h"
-#include "cbmv_stereo/io/disparity_file.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 

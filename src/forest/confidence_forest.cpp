@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/confidence_forest.h"
+#include "forest/confidence_forest.h"
 
 #include <algorithm>
 

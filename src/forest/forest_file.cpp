@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/forest_file.h"
+#include "forest/forest_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 #include <functional>
 #include <memory>
 
-#include "../io/bounded_json.h"
-#include "../io/crc32_text.h"
-#include "forest_json.h"
+#include "confidence/feature_names.h"
+#include "forest/forest_json.h"
+#include "io/bounded_json.h"
+#include "io/crc32_text.h"
 
-#include "cbmv_stereo/confidence/feature_names.h"
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
@@ -550,6 +550,10 @@ void writeForest(const Forest& forest, const std::string& path) {
   if (!file) {
     fail(path, "cannot be written");
   }
+}
+
+std::shared_ptr<const Forest> loadForest(const std::string& path) {
+  return std::make_shared<const Forest>(readForest(path));
 }
 
 }  // namespace cbmv

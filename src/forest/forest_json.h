@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cbmv_stereo/forest/forest.h"
+#include "forest/forest.h"
 
 namespace cbmv {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/oblivious_evaluator.h"
+#include "forest/oblivious_evaluator.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

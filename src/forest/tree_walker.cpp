@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/tree_walker.h"
+#include "forest/tree_walker.h"
 
 #include <algorithm>
 #include <cmath>

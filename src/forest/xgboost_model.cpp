@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../io/bounded_json.h"
-#include "forest_json.h"
-
-#include "cbmv_stereo/confidence/feature_names.h"
+#include "confidence/feature_names.h"
+#include "forest/forest_json.h"
+#include "io/bounded_json.h"
 
 namespace cbmv {
 namespace {

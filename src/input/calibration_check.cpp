@@ -1,10 +1,11 @@
-#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/calibration_check.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <utility>
+
+#include "input/camera_properties.h"
 
 namespace cbmv {
 namespace {
@@ -14,21 +15,12 @@ constexpr double kLargest = 1e9;
 constexpr double kSmallest = 1e-9;
 
 // What calibrations of one rig may differ by, since files round them.
-constexpr double kSameRatio = 1e-3;    // of focal lengths
-constexpr double kSameRowPx = 0.1;     // of cy
-constexpr double kSameOffset = 0.01;   // of the baseline: Ty, Tz
-constexpr double kZeroRatio = 1e-6;    // of the focal length: entries of P that have to be 0
-constexpr double kRotationError = 1e-3;
+constexpr double kSameRatio = 1e-3;   // of focal lengths
+constexpr double kSameRowPx = 0.1;    // of cy
+constexpr double kSameOffset = 0.01;  // of the baseline: Ty, Tz
+constexpr double kZeroRatio = 1e-6;   // of the focal length: entries of P that have to be 0
 constexpr double kShortestBaselineM = 0.005;
 constexpr double kLongestBaselineM = 5.0;
-
-template <typename... Parts>
-std::string join(const Parts&... parts) {
-  std::ostringstream text;
-  text.precision(6);
-  (text << ... << parts);
-  return text.str();
-}
 
 /// The part of a projection matrix that is used, in pixels of the image as it is sent.
 struct Projection {
@@ -49,20 +41,6 @@ Projection toProjection(const CameraCalibration& camera) {
           (p[6] - camera.roi.y) / camera.binning_y,
           p[3] / p[0],
           p[7] / p[5]};
-}
-
-bool hasRoi(const CameraCalibration& camera) {
-  return camera.roi.width > 0 && camera.roi.height > 0;
-}
-
-bool hasUnknownSize(const CameraCalibration& camera) {
-  return !hasRoi(camera) && camera.width <= 0 && camera.height <= 0;
-}
-
-/// Size of the images that belong to the calibration.
-cv::Size describedSize(const CameraCalibration& camera) {
-  const cv::Size whole = hasRoi(camera) ? camera.roi.size() : cv::Size(camera.width, camera.height);
-  return {whole.width / camera.binning_x, whole.height / camera.binning_y};
 }
 
 std::string entryText(const CameraCalibration& camera, std::size_t index) {
@@ -180,10 +158,11 @@ class CameraChecker {
     const bool has_rotation = isRotation(camera_.rectification);
     if (rectified_by_ == RectifiedBy::kOthers && hasNoCoefficients(camera_) && has_rotation &&
         camera_.camera_matrix[0] > 0 && !isIdentity(camera_)) {
-      warn("has no distortion (D = 0), but R is not the identity or P differs from K: image_proc "
-           "does not rectify such images. If image_proc makes the rectified images, give D a tiny "
-           "value (1e-9), so that it rectifies; if the camera rectifies, set R to the identity and "
-           "K to the camera matrix of P.");
+      warn(
+          "has no distortion (D = 0), but R is not the identity or P differs from K: image_proc "
+          "does not rectify such images. If image_proc makes the rectified images, give D a tiny "
+          "value (1e-9), so that it rectifies; if the camera rectifies, set R to the identity and "
+          "K to the camera matrix of P.");
     }
   }
 
@@ -231,18 +210,20 @@ class PairChecker {
     geometry.left_cy_px = left_.cy;
   }
 
-  /// Whether there is one to compute with. Entries of P that are of a reasonable size each can still
-  /// give a baseline that is not.
+  /// Whether there is one to compute with. Entries of P that are of a reasonable size each can
+  /// still give a baseline that is not.
   bool checkBaseline() {
     const StereoGeometry& geometry = check_.geometry;
     const double baseline_m = geometry.baseline_m;
-    const std::string entries = join("left ", entryText(cameras_.left, 3), ", right ",
-                                     entryText(cameras_.right, 3));
+    const std::string entries =
+        join("left ", entryText(cameras_.left, 3), ", right ", entryText(cameras_.right, 3));
     if (!(std::abs(baseline_m) <= kLargest) || !(geometry.focal_length_px <= kLargest) ||
         !(std::abs(geometry.disparity_offset_px) <= kLargest)) {
-      fail(join("have projection matrices with numbers of no reasonable size: they give a focal "
-                "length of ", geometry.focal_length_px, " px and a baseline of ", baseline_m,
-                " m. Calibrate the cameras."));
+      fail(
+          join("have projection matrices with numbers of no reasonable size: they give a focal "
+               "length of ",
+               geometry.focal_length_px, " px and a baseline of ", baseline_m,
+               " m. Calibrate the cameras."));
       return false;
     }
     if (std::abs(baseline_m) < kSmallest) {
@@ -325,67 +306,6 @@ const StereoGeometry& requireUsable(const CalibrationCheck& check) {
     throw InputError(check.errors.front().fault, check.errors.front().text);
   }
   return check.geometry;
-}
-
-std::string sizeProblem(const CameraCalibration& camera, cv::Size image_size,
-                        const std::string& image_name) {
-  const cv::Size size = describedSize(camera);
-  if (hasUnknownSize(camera) || size == image_size) {
-    return {};
-  }
-  const std::string image = image_name + " has " + sizeText(image_size);
-  if (size == cv::Size(image_size.height, image_size.width)) {
-    return "describes images of " + sizeText(size) + ", " + image +
-           ": width and height are exchanged. Exchange them in the calibration.";
-  }
-  if (hasRoi(camera)) {
-    return "describes images of " + sizeText(size) + " by its region of interest (roi) of " +
-           sizeText(camera.roi.size()) + ", " + image +
-           ". Set the roi to the part of the sensor that the image shows, or to 0 for all.";
-  }
-  const bool binned = camera.binning_x > 1 || camera.binning_y > 1;
-  return "describes images of " + sizeText(size) +
-         (binned ? join(" (binning ", camera.binning_x, " x ", camera.binning_y, ")") : "") + ", " +
-         image + ". Calibrate at this resolution, or set binning where the image is a reduced one.";
-}
-
-std::string rotationProblem(const CameraCalibration& camera) {
-  const auto& r = camera.rectification;
-  if (isRotation(r)) {
-    return {};
-  }
-  const bool is_zero = std::all_of(r.begin(), r.end(), [](double value) { return value == 0; });
-  const std::string rows = join(r[0], ", ", r[1], ", ", r[2], "; ", r[3], ", ", r[4], ", ", r[5],
-                                "; ", r[6], ", ", r[7], ", ", r[8]);
-  return "has R that is no rotation (" + (is_zero ? "all zero" : rows) +
-         "). Expected an orthonormal matrix, the identity for a camera that is not turned.";
-}
-
-bool hasNoCoefficients(const CameraCalibration& camera) {
-  return std::all_of(camera.distortion.begin(), camera.distortion.end(),
-                     [](double coefficient) { return coefficient == 0; });
-}
-
-bool isRotation(const std::array<double, 9>& matrix) {
-  const cv::Matx33d r(matrix.data());
-  const cv::Matx33d error = r * r.t() - cv::Matx33d::eye();
-  // cv::norm of NaN compares false.
-  return cv::norm(error, cv::NORM_INF) <= kRotationError && cv::determinant(r) > 0;
-}
-
-bool isIdentity(const CameraCalibration& camera) {
-  const auto& k = camera.camera_matrix;
-  const auto& p = camera.projection;
-  const cv::Matx33d turn = cv::Matx33d(camera.rectification.data()) - cv::Matx33d::eye();
-  const cv::Matx33d change = cv::Matx33d(k.data()) -
-                             cv::Matx33d(p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]);
-  return hasNoCoefficients(camera) && camera.distortion_model != "equidistant" &&
-         cv::norm(turn, cv::NORM_INF) <= kZeroRatio &&
-         cv::norm(change, cv::NORM_INF) <= kZeroRatio * std::abs(k[0]);
-}
-
-std::string sizeText(cv::Size size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height) + " px";
 }
 
 }  // namespace cbmv

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/input/camera_calibration.h"
+#include "cbmv_stereo/camera_calibration.h"
 
 #include <tuple>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/input/gray_pair.h"
+#include "cbmv_stereo/gray_pair.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,8 @@
 namespace cbmv {
 namespace {
 
-constexpr double kOutlierShare = 0.001;  // hot pixels and lamps must not take the levels of the rest
+constexpr double kOutlierShare =
+    0.001;  // hot pixels and lamps must not take the levels of the rest
 constexpr int kLevels8 = 256;
 constexpr int kLevels16 = 1 << 16;
 

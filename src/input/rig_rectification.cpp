@@ -1,4 +1,4 @@
-#include "cbmv_stereo/input/rig_rectification.h"
+#include "input/rig_rectification.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
-#include "cbmv_stereo/input/stereo_input.h"
+#include "input/stereo_input.h"
+
+#include "input/camera_properties.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "binary_file.h"
+#include "io/binary_file.h"
 
 #include <array>
 #include <filesystem>

@@ -1,12 +1,12 @@
-#include "cbmv_stereo/io/calibration.h"
+#include "io/calibration.h"
 
 #include <algorithm>
 #include <iomanip>
 #include <locale>
 #include <sstream>
 
-#include "binary_file.h"
-#include "key_value_file.h"
+#include "io/binary_file.h"
+#include "io/key_value_file.h"
 
 namespace cbmv {
 StereoCalibration readMiddleburyCalibration(const std::string& path, int default_disparities) {

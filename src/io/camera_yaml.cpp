@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/camera_yaml.h"
+#include "io/camera_yaml.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "binary_file.h"
-#include "yaml_file.h"
+#include "io/binary_file.h"
+#include "io/yaml_file.h"
 
 #include "cbmv_stereo/error.h"
 

@@ -1,15 +1,15 @@
-#include "cbmv_stereo/io/disparity_file.h"
+#include "io/disparity_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "file_extension.h"
-#include "image_decoding.h"
+#include "io/file_extension.h"
+#include "io/image_decoding.h"
+#include "io/pfm.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {

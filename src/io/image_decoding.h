@@ -6,8 +6,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "binary_file.h"
-#include "image_size.h"
+#include "io/binary_file.h"
+#include "io/image_size.h"
 
 #include "cbmv_stereo/error.h"
 

@@ -1,13 +1,19 @@
-#include "cbmv_stereo/io/image_file.h"
+#include "io/image_file.h"
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "image_decoding.h"
-#include "scene_files.h"
+#include "io/image_decoding.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
+namespace {
+
+std::string sizeText(const cv::Size& size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+}  // namespace
 
 cv::Mat readImage(const std::string& path) {
   cv::Mat image = decodeImageFile(
@@ -22,6 +28,15 @@ cv::Mat readImage(const std::string& path) {
                 "channel. Convert it to such an image, for example a PNG.");
   }
   return image;
+}
+
+void requireSameSize(const std::filesystem::path& file, const cv::Size& size,
+                     const std::filesystem::path& reference, const cv::Size& expected) {
+  if (size != expected) {
+    throw Error("Sizes disagree: " + file.string() + " is " + sizeText(size) + ", but " +
+                reference.string() + " is " + sizeText(expected) +
+                "; both must have the same size.");
+  }
 }
 
 GrayPair readGrayPair(const std::string& left_path, const std::string& right_path) {

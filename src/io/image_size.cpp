@@ -1,4 +1,4 @@
-#include "image_size.h"
+#include "io/image_size.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "key_value_file.h"
+#include "io/key_value_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <locale>
 #include <sstream>
 
-#include "binary_file.h"
+#include "io/binary_file.h"
 
 #include "cbmv_stereo/error.h"
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/pfm.h"
+#include "io/pfm.h"
 
 #include <array>
 #include <cctype>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "binary_file.h"
+#include "io/binary_file.h"
 
 #include "cbmv_stereo/error.h"
 

@@ -1,6 +1,6 @@
-#include "cbmv_stereo/io/ply.h"
+#include "io/ply.h"
 
-#include "binary_file.h"
+#include "io/binary_file.h"
 
 namespace cbmv {
 

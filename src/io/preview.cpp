@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/preview.h"
+#include "io/preview.h"
 
 #include <algorithm>
 #include <cmath>

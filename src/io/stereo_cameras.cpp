@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/stereo_cameras.h"
+#include "io/stereo_cameras.h"
 
 #include <algorithm>
 #include <array>
@@ -11,13 +11,13 @@
 
 #include <opencv2/core.hpp>
 
-#include "binary_file.h"
-#include "key_value_file.h"
-#include "yaml_file.h"
+#include "input/rig_rectification.h"
+#include "io/binary_file.h"
+#include "io/camera_yaml.h"
+#include "io/key_value_file.h"
+#include "io/yaml_file.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/input/rig_rectification.h"
-#include "cbmv_stereo/io/camera_yaml.h"
 
 namespace cbmv {
 namespace {

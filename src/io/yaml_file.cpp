@@ -1,9 +1,9 @@
-#include "yaml_file.h"
+#include "io/yaml_file.h"
 
 #include <cstdint>
 #include <iterator>
 
-#include "binary_file.h"
+#include "io/binary_file.h"
 
 #include "cbmv_stereo/error.h"
 

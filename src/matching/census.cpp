@@ -1,15 +1,15 @@
-#include "cbmv_stereo/matching/census.h"
+#include "matching/census.h"
 
 #include <cstddef>
 
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "matching/census.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {
@@ -19,8 +19,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
-/// Hamming distances of all hypotheses. Byte k of a column lies `width` behind byte k − 1. The last vector of a run reaches beyond it, into places
-/// that come later.
+/// Hamming distances of all hypotheses. Byte k of a column lies `width` behind byte k − 1. The last
+/// vector of a run reaches beyond it, into places that come later.
 void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int width,
                       const RowEntries& entries, std::uint8_t* costs) {
   const Bytes tag;

@@ -1,17 +1,17 @@
-#include "cbmv_stereo/matching/census_transform.h"
+#include "matching/census_transform.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "matching/census_transform.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

@@ -1,6 +1,6 @@
-#include "cbmv_stereo/matching/matcher_set.h"
+#include "matching/matcher_set.h"
 
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 namespace cbmv {
 

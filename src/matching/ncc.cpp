@@ -1,13 +1,13 @@
-#include "cbmv_stereo/matching/ncc.h"
+#include "matching/ncc.h"
 
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "matching/ncc.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

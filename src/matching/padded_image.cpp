@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 #include <opencv2/core.hpp>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/row_entries.h"
+#include "matching/row_entries.h"
 
 #include <algorithm>
 

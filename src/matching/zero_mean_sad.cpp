@@ -1,18 +1,18 @@
-#include "cbmv_stereo/matching/zero_mean_sad.h"
+#include "matching/zero_mean_sad.h"
 
 #include <algorithm>
 #include <numeric>
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/matching/padded_image.h"
+#include "matching/padded_image.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "matching/zero_mean_sad.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

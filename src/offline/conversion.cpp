@@ -9,13 +9,13 @@
 #include <thread>
 #include <utility>
 
+#include "io/other_file.h"
 #include "offline/double_rectification.h"
 #include "offline/frame_files.h"
 #include "offline/frame_pipeline.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {
@@ -309,7 +309,7 @@ ConversionSummary convertBags(const ConversionOptions& options,
   FrameProcessor processor(forest, options.matching.stereo);
   processor.setMinConfidence(options.matching.min_confidence);
   PipelineParts parts{summary.plan, loader, processor, options.matching.allow_different_frame_ids,
-                      {}, {}, {}, events.should_stop};
+                      {},           {},     {},        events.should_stop};
   if (files) {
     files->begin(options.earlier == EarlierParts::kOverwrite);
     segments.setBeforePart([&] { files->sync(); });

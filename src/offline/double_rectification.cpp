@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "offline/frame_loader.h"
+#include "pipeline/frame_processor.h"
 #include "ros/image_conversion.h"
 
-#include "cbmv_stereo/pipeline/frame_processor.h"
-#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/vertical_offset.h"
 
 namespace cbmv {
 namespace {
@@ -50,8 +50,8 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
               "another rig. Correct it, or calibrate the cameras."
             : "The images are probably rectified already; use --rectified yes.";
     std::array<char, 64> apart{};
-    std::snprintf(apart.data(), apart.size(), is_known ? "%.2f px apart" : "too far apart to measure",
-                  after.rms_before_px);
+    std::snprintf(apart.data(), apart.size(),
+                  is_known ? "%.2f px apart" : "too far apart to measure", after.rms_before_px);
     std::array<char, 400> text{};
     std::snprintf(text.data(), text.size(),
                   ": the rows of the pair are %s after rectification, %.2f px before. %s",

@@ -4,7 +4,7 @@
 
 #include "offline/frame_plan.h"
 
-#include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/options.h"
 
 namespace cbmv {
 

@@ -13,12 +13,13 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include "input/camera_properties.h"
 #include "io/image_decoding.h"
 #include "ros/camera_info.h"
 #include "ros/image_conversion.h"
 
-#include "cbmv_stereo/input/calibration_check.h"
-#include "cbmv_stereo/input/gray_pair.h"
+#include "cbmv_stereo/calibration_check.h"
+#include "cbmv_stereo/gray_pair.h"
 
 namespace cbmv {
 namespace {
@@ -64,10 +65,9 @@ void requireSize(const CameraCalibration& camera, cv::Size size, const std::stri
 void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names) {
   if (std::uint64_t{info.width} * info.height > kMaxImagePixels) {
     throw InputError(InputFault::kCameraInfoSize,
-                     names + " describes a sensor of " +
-                         std::to_string(info.width) + 'x' + std::to_string(info.height) +
-                         " pixels, expected at most " + std::to_string(kMaxImagePixels) +
-                         ". Correct width and height.");
+                     names + " describes a sensor of " + std::to_string(info.width) + 'x' +
+                         std::to_string(info.height) + " pixels, expected at most " +
+                         std::to_string(kMaxImagePixels) + ". Correct width and height.");
   }
 }
 
@@ -130,9 +130,9 @@ void requireUsableNumbers(const CameraCalibration& camera, const std::string& na
 
 /// Of a sensor of unknown size, as much as the image shows.
 std::uint32_t sensorSide(std::uint32_t offset, std::uint32_t roi, int raw, int binning) {
-  const std::uint64_t side = roi > 0 ? std::uint64_t{offset} + roi
-                                     : static_cast<std::uint64_t>(raw) *
-                                           static_cast<std::uint64_t>(binning);
+  const std::uint64_t side =
+      roi > 0 ? std::uint64_t{offset} + roi
+              : static_cast<std::uint64_t>(raw) * static_cast<std::uint64_t>(binning);
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(side, std::numeric_limits<std::uint32_t>::max()));
 }

@@ -14,7 +14,7 @@
 #include "offline/frame_plan.h"
 #include "ros/input_messages.h"
 
-#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/calibration_check.h"
 
 namespace cbmv {
 

@@ -16,7 +16,7 @@ namespace cbmv {
 namespace {
 
 constexpr double kLargestSensibleGapS = 1;  // between the images of a pair
-constexpr double kLongestDurationS = 2e9;  // ros::Duration holds a little more
+constexpr double kLongestDurationS = 2e9;   // ros::Duration holds a little more
 
 using Messages = std::vector<BagMessage>;
 
@@ -54,11 +54,11 @@ class StampedTopic {
     const ros::Time& stamp = later == stamps_.begin() ? stamps_.front() : *(later - 1);
     const auto [first, end] = std::equal_range(stamps_.begin(), stamps_.end(), stamp);
     const auto begin = messages_.begin() + (first - stamps_.begin());
-    const auto recorded_later = std::upper_bound(
-        begin, messages_.begin() + (end - stamps_.begin()), image.entry->time,
-        [](const ros::Time& time, const BagMessage& message) {
-          return time < message.entry->time;
-        });
+    const auto recorded_later =
+        std::upper_bound(begin, messages_.begin() + (end - stamps_.begin()), image.entry->time,
+                         [](const ros::Time& time, const BagMessage& message) {
+                           return time < message.entry->time;
+                         });
     return recorded_later == begin ? *begin : *(recorded_later - 1);
   }
 
@@ -244,10 +244,10 @@ FramePlan planFrames(const BagSet& bags, const CameraTopics& topics, const PlanO
       continue;
     }
     frame.offset_frame = plan.offset_frames.size() - 1;
-    plan.equal_stamps += !plan.frames.empty() && plan.frames.back().left.entry->stamp ==
-                                                     frame.left.entry->stamp;
-    plan.infos_of_other_stamps += hasOtherStamp(frame.left_info, left[l]) ||
-                                  hasOtherStamp(frame.right_info, right[r]);
+    plan.equal_stamps +=
+        !plan.frames.empty() && plan.frames.back().left.entry->stamp == frame.left.entry->stamp;
+    plan.infos_of_other_stamps +=
+        hasOtherStamp(frame.left_info, left[l]) || hasOtherStamp(frame.right_info, right[r]);
     plan.frames.push_back(frame);
   }
   countImages(left, right, pairs, plan);

@@ -9,13 +9,12 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include "io/camera_yaml.h"
+#include "io/disparity_file.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
+#include "io/ply.h"
 #include "ros/conversions.h"
-
-#include "cbmv_stereo/io/camera_yaml.h"
-#include "cbmv_stereo/io/disparity_file.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/io/ply.h"
 
 namespace cbmv {
 namespace {

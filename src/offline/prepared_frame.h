@@ -1,8 +1,7 @@
 #pragma once
 
 #include "offline/frame_loader.h"
-
-#include "cbmv_stereo/pipeline/frame_processor.h"
+#include "pipeline/frame_processor.h"
 
 namespace cbmv {
 

@@ -11,10 +11,10 @@
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 
+#include "io/other_file.h"
 #include "offline/segments.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/io/other_file.h"
 
 namespace cbmv {
 namespace {

@@ -4,8 +4,9 @@
 #include <array>
 #include <vector>
 
+#include "io/stereo_cameras.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/io/stereo_cameras.h"
 
 namespace cbmv {
 namespace {
@@ -50,8 +51,8 @@ void chooseRectification(const TopicChoice& choice, CameraTopics& topics) {
   topics.left.raw = topics.right.raw = !rectified;
   const std::string images = topics.left.name + " and " + topics.right.name;
   const std::string option = rectified ? "--rectified yes" : "--rectified no";
-  const std::string other = rectified ? "--rectified no rectifies them first"
-                                      : "--rectified yes takes them as they are";
+  const std::string other =
+      rectified ? "--rectified no rectifies them first" : "--rectified yes takes them as they are";
   topics.rectification =
       images + (rectified ? " are taken as rectified: " : " are raw and rectified first: ") +
       (by_name ? std::string(rectified ? "their names hold" : "not both names hold") +
@@ -130,7 +131,8 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
   if (!choice.camera_namespace.empty()) {
     auto images = imagesIn(bags, resolved(withoutSlash(choice.camera_namespace)));
     if (images.first.empty()) {
-      throw noTopics(bags, "no stereo pair below " + resolved(withoutSlash(choice.camera_namespace)));
+      throw noTopics(bags,
+                     "no stereo pair below " + resolved(withoutSlash(choice.camera_namespace)));
     }
     return images;
   }

@@ -5,7 +5,7 @@
 
 #include "offline/bag_set.h"
 
-#include "cbmv_stereo/input/camera_calibration.h"
+#include "cbmv_stereo/camera_calibration.h"
 
 namespace cbmv {
 
@@ -50,8 +50,8 @@ struct TopicChoice {
 /// that both have is taken: image_rect, image_rect_color, image_raw, each as it is or /compressed;
 /// with camera_info beside them, unless calibrations are given. Names without a slash at the
 /// beginning get one. Throws Error that lists what is in the bags if there is no such camera, or
-/// more than one; if left and right are one topic; if a calibration cannot be read, or does not tell
-/// how to rectify images that are raw.
+/// more than one; if left and right are one topic; if a calibration cannot be read, or does not
+/// tell how to rectify images that are raw.
 CameraTopics findCameraTopics(const BagSet& bags, const TopicChoice& choice);
 
 }  // namespace cbmv

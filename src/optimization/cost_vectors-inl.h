@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

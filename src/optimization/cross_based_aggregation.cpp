@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "optimization/cross_based_aggregation.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/per_thread.h"
 #include "optimization/aggregation_rows.h"
-
-#include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/cross_based_aggregation.cpp"

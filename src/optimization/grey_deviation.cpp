@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/grey_deviation.h"
+#include "optimization/grey_deviation.h"
 
 namespace cbmv {
 

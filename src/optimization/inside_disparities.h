@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/disparity_range.h"
 
 namespace cbmv {
 

@@ -1,7 +1,7 @@
-#include "cbmv_stereo/optimization/prepared_image.h"
+#include "optimization/prepared_image.h"
 
-#include "cbmv_stereo/optimization/grey_deviation.h"
-#include "cbmv_stereo/optimization/support_arms.h"
+#include "optimization/grey_deviation.h"
+#include "optimization/support_arms.h"
 
 namespace cbmv {
 

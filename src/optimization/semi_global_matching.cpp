@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/semi_global_matching.h"
+#include "optimization/semi_global_matching.h"
 
 #include <algorithm>
 #include <array>
@@ -12,12 +12,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/per_thread.h"
 #include "optimization/matching_row.h"
 #include "optimization/path_rows.h"
 #include "optimization/sgm_penalties.h"
-
-#include "cbmv_stereo/optimization/surface_prior.h"
-#include "cbmv_stereo/volume/per_thread.h"
+#include "optimization/surface_prior.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/semi_global_matching.cpp"

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "cbmv_stereo/optimization/options.h"
+#include "cbmv_stereo/options.h"
 
 namespace cbmv {
 
@@ -18,6 +18,10 @@ struct SgmPenalties {
 
 /// P1 is divided by `p1_divisor`.
 SgmPenalties makePenalties(const SgmOptions& options, double p1_divisor);
+
+/// Largest value of a cost after `iterations` runs on costs of at most 255, in units of 1/255: each
+/// run adds at most P2. Must stay ≤ 16383, so that four paths fit 16 bits.
+int sgmCostBound(const SgmOptions& options);
 
 /// Throws Error if the options cannot be used.
 void checkSgmOptions(const SgmOptions& options);

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/support_arms.h"
+#include "optimization/support_arms.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 #ifndef CBMV_OPTIMIZATION_SUPPORT_ARMS_ONCE
 #define CBMV_OPTIMIZATION_SUPPORT_ARMS_ONCE

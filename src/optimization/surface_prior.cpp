@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/surface_prior.h"
+#include "optimization/surface_prior.h"
 
 #include <algorithm>
 #include <cmath>

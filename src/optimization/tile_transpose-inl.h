@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include "cbmv_stereo/volume/search_space.h"
+#include "base/search_space.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

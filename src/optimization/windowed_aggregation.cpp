@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_aggregation.h"
+#include "optimization/windowed_aggregation.h"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/per_thread.h"
 #include "optimization/windowed_aggregation_rows.h"
-
-#include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_aggregation.cpp"

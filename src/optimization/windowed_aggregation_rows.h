@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cbmv_stereo/volume/search_space.h"
+#include "base/search_space.h"
 
 namespace cbmv {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_sgm.h"
+#include "optimization/windowed_sgm.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,12 +6,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/per_thread.h"
 #include "optimization/sgm_penalties.h"
 #include "optimization/windowed_sgm_columns.h"
 #include "optimization/windowed_sgm_paths.h"
 #include "optimization/windowed_sgm_rows.h"
-
-#include "cbmv_stereo/volume/per_thread.h"
 
 namespace cbmv {
 namespace {

@@ -2,10 +2,9 @@
 
 #include <cstdint>
 
+#include "base/search_space.h"
 #include "optimization/sgm_penalties.h"
 #include "optimization/windowed_sgm_steps.h"
-
-#include "cbmv_stereo/volume/search_space.h"
 
 namespace cbmv {
 

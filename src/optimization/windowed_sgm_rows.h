@@ -7,10 +7,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "base/search_space.h"
+#include "base/volume.h"
 #include "optimization/windowed_sgm_paths.h"
-
-#include "cbmv_stereo/volume/search_space.h"
-#include "cbmv_stereo/volume/volume.h"
 
 namespace cbmv {
 

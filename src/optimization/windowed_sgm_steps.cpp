@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/optimization/surface_prior.h"
+#include "optimization/surface_prior.h"
 
 namespace cbmv {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "base/search_space.h"
+#include "optimization/edge_images.h"
 #include "optimization/sgm_penalties.h"
 
-#include "cbmv_stereo/optimization/edge_images.h"
-#include "cbmv_stereo/volume/disparity_range.h"
-#include "cbmv_stereo/volume/search_space.h"
+#include "cbmv_stereo/disparity_range.h"
 
 namespace cbmv {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_winner_maps.h"
+#include "optimization/windowed_winner_maps.h"
 
 #include <algorithm>
 #include <array>

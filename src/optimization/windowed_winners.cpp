@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_winners.h"
+#include "optimization/windowed_winners.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/matching/cost_row.h"
+#include "matching/cost_row.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_winners.cpp"

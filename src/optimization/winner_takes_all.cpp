@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/winner_takes_all.h"
+#include "optimization/winner_takes_all.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "stopwatch.h"
+#include "base/stopwatch.h"
 
-#include "cbmv_stereo/pipeline/options.h"
-#include "cbmv_stereo/pipeline/stereo_result.h"
+#include "cbmv_stereo/options.h"
+#include "cbmv_stereo/stereo_result.h"
 
 namespace cbmv {
 

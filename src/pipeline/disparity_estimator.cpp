@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "pipeline/disparity_estimator.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,19 +8,19 @@
 #include <opencv2/core.hpp>
 #include <tbb/parallel_for.h>
 
-#include "cost_optimizer.h"
-#include "stopwatch.h"
-
-#include "cbmv_stereo/optimization/coarse_volume.h"
-#include "cbmv_stereo/optimization/cross_based_aggregation.h"
-#include "cbmv_stereo/optimization/prepared_image.h"
-#include "cbmv_stereo/optimization/semi_global_matching.h"
-#include "cbmv_stereo/optimization/surface_prior.h"
-#include "cbmv_stereo/optimization/winner_takes_all.h"
-#include "cbmv_stereo/refinement/disparity_refiner.h"
-#include "cbmv_stereo/refinement/subpixel.h"
-#include "cbmv_stereo/volume/per_thread.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "base/per_thread.h"
+#include "base/stopwatch.h"
+#include "optimization/cross_based_aggregation.h"
+#include "optimization/prepared_image.h"
+#include "optimization/semi_global_matching.h"
+#include "optimization/sgm_penalties.h"
+#include "optimization/surface_prior.h"
+#include "optimization/winner_takes_all.h"
+#include "pipeline/cost_optimizer.h"
+#include "refinement/disparity_refiner.h"
+#include "refinement/subpixel.h"
+#include "volume/coarse_volume.h"
+#include "volume/volume_builder.h"
 
 namespace cbmv {
 namespace {

@@ -1,13 +1,12 @@
-#include "cbmv_stereo/pipeline/frame_processor.h"
+#include "pipeline/frame_processor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "thread_limit.h"
-
-#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "pipeline/machine_memory.h"
+#include "base/thread_limit.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "pipeline/machine_memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,9 @@
 
 #include <unistd.h>
 
+#include "pipeline/memory.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
 namespace {

@@ -1,12 +1,12 @@
-#include "cbmv_stereo/pipeline/memory.h"
+#include "pipeline/memory.h"
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
 
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
-#include "cbmv_stereo/pipeline/pyramid_matcher.h"
-#include "cbmv_stereo/volume/search_space.h"
+#include "base/search_space.h"
+#include "pipeline/disparity_estimator.h"
+#include "pipeline/pyramid_matcher.h"
 
 namespace cbmv {
 namespace {

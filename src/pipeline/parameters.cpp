@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,10 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "optimization/semi_global_matching.h"
+#include "optimization/sgm_penalties.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/optimization/semi_global_matching.h"
 
 namespace cbmv {
 

@@ -1,21 +1,21 @@
-#include "cbmv_stereo/pipeline/pyramid_matcher.h"
+#include "pipeline/pyramid_matcher.h"
 
 #include <algorithm>
 #include <deque>
 #include <string>
 #include <vector>
 
-#include "stopwatch.h"
+#include "base/stopwatch.h"
+#include "optimization/surface_prior.h"
+#include "pipeline/disparity_estimator.h"
+#include "pipeline/memory.h"
+#include "pipeline/windowed_estimator.h"
+#include "search/mutual_matches.h"
+#include "search/search_windows.h"
+#include "volume/coarse_volume.h"
+#include "volume/windowed_volume_builder.h"
 
-#include "cbmv_stereo/input/input_error.h"
-#include "cbmv_stereo/optimization/coarse_volume.h"
-#include "cbmv_stereo/optimization/surface_prior.h"
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
-#include "cbmv_stereo/pipeline/memory.h"
-#include "cbmv_stereo/pipeline/windowed_estimator.h"
-#include "cbmv_stereo/search/mutual_matches.h"
-#include "cbmv_stereo/search/search_windows.h"
-#include "cbmv_stereo/volume/windowed_volume_builder.h"
+#include "cbmv_stereo/error.h"
 
 namespace cbmv {
 namespace {

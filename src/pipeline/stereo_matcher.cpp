@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,19 +9,19 @@
 
 #include <opencv2/core.hpp>
 
-#include "stopwatch.h"
-#include "thread_limit.h"
+#include "base/stopwatch.h"
+#include "base/thread_limit.h"
+#include "forest/forest_evaluator.h"
+#include "pipeline/disparity_estimator.h"
+#include "pipeline/memory.h"
+#include "pipeline/pyramid_matcher.h"
+#include "refinement/speckle_filter.h"
+#include "search/range_source.h"
+#include "selection/map_selector.h"
+#include "volume/volume_builder.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest_evaluator.h"
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
-#include "cbmv_stereo/pipeline/memory.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/pyramid_matcher.h"
-#include "cbmv_stereo/refinement/speckle_filter.h"
-#include "cbmv_stereo/search/range_source.h"
-#include "cbmv_stereo/selection/map_selector.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

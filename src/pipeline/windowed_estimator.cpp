@@ -1,21 +1,21 @@
-#include "cbmv_stereo/pipeline/windowed_estimator.h"
+#include "pipeline/windowed_estimator.h"
 
 #include <algorithm>
 #include <cstdint>
 
 #include <tbb/parallel_for.h>
 
-#include "cost_optimizer.h"
-#include "stopwatch.h"
-
-#include "cbmv_stereo/optimization/prepared_image.h"
-#include "cbmv_stereo/optimization/semi_global_matching.h"
-#include "cbmv_stereo/optimization/windowed_aggregation.h"
-#include "cbmv_stereo/optimization/windowed_sgm.h"
-#include "cbmv_stereo/optimization/windowed_winner_maps.h"
-#include "cbmv_stereo/optimization/windowed_winners.h"
-#include "cbmv_stereo/refinement/disparity_refiner.h"
-#include "cbmv_stereo/volume/windowed_right_view.h"
+#include "base/stopwatch.h"
+#include "optimization/prepared_image.h"
+#include "optimization/semi_global_matching.h"
+#include "optimization/sgm_penalties.h"
+#include "optimization/windowed_aggregation.h"
+#include "optimization/windowed_sgm.h"
+#include "optimization/windowed_winner_maps.h"
+#include "optimization/windowed_winners.h"
+#include "pipeline/cost_optimizer.h"
+#include "refinement/disparity_refiner.h"
+#include "volume/windowed_right_view.h"
 
 namespace cbmv {
 namespace {

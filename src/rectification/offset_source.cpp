@@ -1,4 +1,4 @@
-#include "cbmv_stereo/rectification/offset_source.h"
+#include "rectification/offset_source.h"
 
 #include <chrono>
 

@@ -1,4 +1,4 @@
-#include "sparse_matches.h"
+#include "rectification/sparse_matches.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/rectification/offset_fit.h"
+#include "rectification/offset_fit.h"
 
 namespace cbmv {
 

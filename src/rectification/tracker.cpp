@@ -1,11 +1,10 @@
-#include "cbmv_stereo/rectification/tracker.h"
+#include "rectification/tracker.h"
 
 #include <exception>
 #include <utility>
 
-#include "sparse_matches.h"
-
-#include "cbmv_stereo/pipeline/frame_worker.h"
+#include "base/frame_worker.h"
+#include "rectification/sparse_matches.h"
 
 namespace cbmv {
 

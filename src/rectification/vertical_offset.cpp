@@ -1,4 +1,4 @@
-#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/vertical_offset.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "sparse_matches.h"
+#include "rectification/sparse_matches.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/bilateral_filter.h"
+#include "refinement/bilateral_filter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ struct Window {
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

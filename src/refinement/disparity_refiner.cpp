@@ -1,16 +1,15 @@
-#include "cbmv_stereo/refinement/disparity_refiner.h"
+#include "refinement/disparity_refiner.h"
 
 #include <cstdint>
 
 #include <tbb/parallel_for.h>
 
+#include "refinement/bilateral_filter.h"
+#include "refinement/interpolation.h"
 #include "refinement/label_runs.h"
-
-#include "cbmv_stereo/refinement/bilateral_filter.h"
-#include "cbmv_stereo/refinement/interpolation.h"
-#include "cbmv_stereo/refinement/left_border.h"
-#include "cbmv_stereo/refinement/left_right_check.h"
-#include "cbmv_stereo/refinement/median_filter.h"
+#include "refinement/left_border.h"
+#include "refinement/left_right_check.h"
+#include "refinement/median_filter.h"
 
 namespace cbmv {
 namespace {

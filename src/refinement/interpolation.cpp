@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/interpolation.h"
+#include "refinement/interpolation.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,7 @@
 
 #include "refinement/border_rows.h"
 #include "refinement/label_runs.h"
-
-#include "cbmv_stereo/refinement/left_right_check.h"
+#include "refinement/left_right_check.h"
 
 #ifndef CBMV_INTERPOLATION_ONCE
 #define CBMV_INTERPOLATION_ONCE

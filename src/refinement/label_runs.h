@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "cbmv_stereo/refinement/left_right_check.h"
+#include "refinement/left_right_check.h"
 
 namespace cbmv {
 

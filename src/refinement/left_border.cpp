@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/left_border.h"
+#include "refinement/left_border.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -7,8 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "refinement/border_rows.h"
-
-#include "cbmv_stereo/refinement/left_right_check.h"
+#include "refinement/left_right_check.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/left_right_check.h"
+#include "refinement/left_right_check.h"
 
 #include <algorithm>
 #include <array>
@@ -64,8 +64,8 @@ struct RightRow {
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
 #include "refinement/padded_disparity.h"
-#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/median_filter.h"
+#include "refinement/median_filter.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -8,8 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
 #include "refinement/padded_disparity.h"
-#include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

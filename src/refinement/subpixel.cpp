@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/subpixel.h"
+#include "refinement/subpixel.h"
 
 #include <cmath>
 #include <cstdint>

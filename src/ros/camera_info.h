@@ -3,15 +3,15 @@
 #include <opencv2/core.hpp>
 #include <sensor_msgs/CameraInfo.h>
 
-#include "cbmv_stereo/input/calibration_check.h"
-#include "cbmv_stereo/input/camera_calibration.h"
+#include "cbmv_stereo/calibration_check.h"
+#include "cbmv_stereo/camera_calibration.h"
 
 // Calibrations of messages as the core's types and back.
 
 namespace cbmv {
 
-/// Without the header. A binning of 0, which stands for none, becomes 1; sizes beyond the range of int
-/// are its largest.
+/// Without the header. A binning of 0, which stands for none, becomes 1; sizes beyond the range of
+/// int are its largest.
 CameraCalibration toCameraCalibration(const sensor_msgs::CameraInfo& info);
 
 sensor_msgs::CameraInfo toCameraInfo(const CameraCalibration& camera,

@@ -8,8 +8,9 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
-#include "cbmv_stereo/io/preview.h"
-#include "cbmv_stereo/output/points.h"
+#include "io/preview.h"
+
+#include "cbmv_stereo/points.h"
 
 namespace cbmv {
 namespace {

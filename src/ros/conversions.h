@@ -8,14 +8,14 @@
 #include <sensor_msgs/Image.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "io/calibration.h"
+#include "rectification/offset_source.h"
 #include "ros/camera_info.h"
 #include "ros/image_conversion.h"
 #include "ros/input_messages.h"
 #include "ros/point_cloud.h"
 
-#include "cbmv_stereo/io/calibration.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/rectification/offset_source.h"
+#include "cbmv_stereo/stereo_matcher.h"
 #include <cbmv_stereo/Rectification.h>
 #include <cbmv_stereo/Status.h>
 

@@ -11,9 +11,10 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
+#include "input/camera_properties.h"
 #include "ros/camera_info.h"
 
-#include "cbmv_stereo/input/gray_pair.h"
+#include "cbmv_stereo/gray_pair.h"
 
 namespace cbmv {
 namespace {
@@ -98,9 +99,9 @@ boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& m
 
 /// Plain channels, which cv_bridge takes for no image of light: drivers that set no color encoding.
 bool isPlain(const std::string& encoding) {
-  for (const std::string& plain : {encodings::TYPE_8UC1, encodings::TYPE_16UC1,
-                                   encodings::TYPE_8UC3, encodings::TYPE_16UC3,
-                                   encodings::TYPE_8UC4, encodings::TYPE_16UC4}) {
+  for (const std::string& plain :
+       {encodings::TYPE_8UC1, encodings::TYPE_16UC1, encodings::TYPE_8UC3, encodings::TYPE_16UC3,
+        encodings::TYPE_8UC4, encodings::TYPE_16UC4}) {
     if (encoding == plain) {
       return true;
     }
@@ -128,8 +129,8 @@ std::string targetEncoding(const std::string& encoding, bool color) {
                                                : (deep ? encodings::MONO16 : encodings::MONO8);
 }
 
-cv::Mat decodeChecked(const sensor_msgs::Image& message,
-                      const boost::shared_ptr<const void>& owner, bool color) {
+cv::Mat decodeChecked(const sensor_msgs::Image& message, const boost::shared_ptr<const void>& owner,
+                      bool color) {
   if (const std::optional<Yuv> order = yuvOrder(message.encoding)) {
     return decodeYuv(message, *order, color);
   }

@@ -7,10 +7,10 @@
 #include <opencv2/core.hpp>
 #include <sensor_msgs/Image.h>
 
+#include "input/stereo_input.h"
 #include "ros/input_messages.h"
 
-#include "cbmv_stereo/input/calibration_check.h"
-#include "cbmv_stereo/input/stereo_input.h"
+#include "cbmv_stereo/calibration_check.h"
 
 // Images of messages as matrices and back.
 

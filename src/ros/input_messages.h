@@ -3,7 +3,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
-#include "cbmv_stereo/input/input_error.h"
+#include "cbmv_stereo/error.h"
 
 namespace cbmv {
 

@@ -9,9 +9,8 @@
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
 
+#include "pipeline/frame_processor.h"
 #include "ros/conversions.h"
-
-#include "cbmv_stereo/pipeline/frame_processor.h"
 
 namespace cbmv {
 

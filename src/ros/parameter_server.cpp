@@ -13,8 +13,8 @@
 #include "ros/unknown_parameters.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/presets.h"
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/presets.h"
 
 namespace cbmv {
 namespace {

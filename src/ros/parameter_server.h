@@ -5,7 +5,7 @@
 
 #include <ros/node_handle.h>
 
-#include "cbmv_stereo/pipeline/options.h"
+#include "cbmv_stereo/options.h"
 #include <cbmv_stereo/StereoConfig.h>
 
 // StereoOptions and the parameters of cfg/Stereo.cfg, matched by name through stereoParameters().

@@ -6,7 +6,7 @@
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
-#include "cbmv_stereo/output/points.h"
+#include "cbmv_stereo/points.h"
 
 namespace cbmv {
 namespace {

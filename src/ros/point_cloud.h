@@ -5,8 +5,9 @@
 #include <opencv2/core.hpp>
 #include <sensor_msgs/PointCloud2.h>
 
-#include "cbmv_stereo/input/calibration_check.h"
-#include "cbmv_stereo/io/ply.h"
+#include "io/ply.h"
+
+#include "cbmv_stereo/calibration_check.h"
 
 namespace cbmv {
 
@@ -21,9 +22,9 @@ struct CloudOptions {
 
 /// What a cloud is made from; all maps have one size.
 struct CloudSource {
-  cv::Mat disparity;   ///< CV_32FC1, px, so that Z = f T / d; not > 0, or NaN: no point
-  cv::Mat color;       ///< CV_8UC3 in the order blue, green, red
-  cv::Mat confidence;  ///< CV_32FC1; may be empty without CloudOptions::with_confidence
+  cv::Mat disparity;    ///< CV_32FC1, px, so that Z = f T / d; not > 0, or NaN: no point
+  cv::Mat color;        ///< CV_8UC3 in the order blue, green, red
+  cv::Mat confidence;   ///< CV_32FC1; may be empty without CloudOptions::with_confidence
   cv::Mat depth_sigma;  ///< CV_32FC1, m; empty: NaN everywhere
 };
 

@@ -8,11 +8,10 @@
 #include <ros/ros.h>
 #include <stereo_msgs/DisparityImage.h>
 
+#include "base/frame_worker.h"
 #include "ros/nodelet_inputs.h"
 #include "ros/point_cloud.h"
 #include "ros/warning_throttle.h"
-
-#include "cbmv_stereo/pipeline/frame_worker.h"
 
 namespace cbmv {
 

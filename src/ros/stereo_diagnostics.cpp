@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "input/camera_properties.h"
 #include "ros/image_conversion.h"
 
 namespace cbmv {

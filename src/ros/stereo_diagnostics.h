@@ -11,9 +11,8 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/time.h>
 
+#include "pipeline/frame_processor.h"
 #include "ros/conversions.h"
-
-#include "cbmv_stereo/pipeline/frame_processor.h"
 
 namespace cbmv {
 

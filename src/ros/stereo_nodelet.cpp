@@ -7,14 +7,14 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
+#include "forest/forest_file.h"
 #include "ros/cloud_parameters.h"
 #include "ros/guarded.h"
 #include "ros/parameter_server.h"
 #include "ros/stamps.h"
 #include "ros/start_nodelet.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {
@@ -23,7 +23,14 @@ constexpr double kWatchPeriodS = 0.25;
 constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
 
 /// Causes of warnings besides the values of InputFault.
-enum Cause { kFailed = 100, kRangeClipped, kColorUnusable, kMisaligned, kWrongStamps, kDoubtfulInput };
+enum Cause {
+  kFailed = 100,
+  kRangeClipped,
+  kColorUnusable,
+  kMisaligned,
+  kWrongStamps,
+  kDoubtfulInput
+};
 
 StereoTopics toTopics(const TopicNames& names) {
   return {names[kFirst], names[kFirstInfo], names[kSecond], names[kSecondInfo]};
@@ -60,7 +67,7 @@ void StereoNodelet::initialize() {
   threads_ = options_.threads > 0 ? options_.threads
                                   : static_cast<int>(std::thread::hardware_concurrency());
   allow_different_frame_ids_ = parameters.get<bool>("allow_different_frame_ids");
-  processor_ = std::make_unique<FrameProcessor>(loadForest(parameters), options_);
+  processor_ = std::make_unique<FrameProcessor>(readForestParameter(parameters), options_);
   openDiagnostics(parameters);
   offerConfig(parameters);
   worker_ = std::make_unique<FrameWorker<StereoMessages>>(
@@ -85,14 +92,15 @@ StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
   return options;
 }
 
-std::shared_ptr<const Forest> StereoNodelet::loadForest(const PrivateParameters& parameters) {
+std::shared_ptr<const Forest> StereoNodelet::readForestParameter(
+    const PrivateParameters& parameters) {
   const auto path = parameters.get<std::string>("forest");
   if (path.empty()) {
     throw Error("the parameter " + getPrivateNodeHandle().resolveName("forest") +
                 " is not set, expected the path of a forest file. Set it, for example to "
                 "models/middlebury_small.forest of this package");
   }
-  auto forest = std::make_shared<const Forest>(readForest(path));
+  auto forest = cbmv::loadForest(path);
   forest_name_ = forest->name;
   return forest;
 }

@@ -13,6 +13,8 @@
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 
+#include "base/frame_worker.h"
+#include "pipeline/frame_processor.h"
 #include "ros/color_buffer.h"
 #include "ros/nodelet_inputs.h"
 #include "ros/output_publishers.h"
@@ -20,8 +22,6 @@
 #include "ros/stereo_diagnostics.h"
 #include "ros/warning_throttle.h"
 
-#include "cbmv_stereo/pipeline/frame_processor.h"
-#include "cbmv_stereo/pipeline/frame_worker.h"
 #include <cbmv_stereo/StereoConfig.h>
 
 namespace cbmv {
@@ -42,7 +42,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void initialize();
   void stop();
   StereoOptions readOptions(const PrivateParameters& parameters);
-  std::shared_ptr<const Forest> loadForest(const PrivateParameters& parameters);
+  std::shared_ptr<const Forest> readForestParameter(const PrivateParameters& parameters);
   void offerConfig(const PrivateParameters& parameters);
   void openDiagnostics(const PrivateParameters& parameters);
   void openTopics(const PrivateParameters& parameters);

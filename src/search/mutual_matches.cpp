@@ -1,4 +1,4 @@
-#include "cbmv_stereo/search/mutual_matches.h"
+#include "search/mutual_matches.h"
 
 #include <algorithm>
 #include <array>
@@ -9,19 +9,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/per_thread.h"
+#include "matching/census_transform.h"
+#include "matching/cost_row.h"
+#include "matching/padded_image.h"
 #include "search/scan_rows.h"
-
-#include "cbmv_stereo/matching/census_transform.h"
-#include "cbmv_stereo/matching/cost_row.h"
-#include "cbmv_stereo/matching/padded_image.h"
-#include "cbmv_stereo/volume/per_thread.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "search/mutual_matches.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "simd/lanes-inl.h"
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

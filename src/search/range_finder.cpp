@@ -1,11 +1,11 @@
-#include "cbmv_stereo/search/range_finder.h"
+#include "search/range_finder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
 
-#include "cbmv_stereo/optimization/coarse_volume.h"
+#include "volume/coarse_volume.h"
 
 namespace cbmv {
 namespace {
@@ -98,8 +98,8 @@ bool RangeFinder::isObject(const Pixel& seed) {
     }
     const Pixel pixel = stack_.back();
     stack_.pop_back();
-    const cv::Rect around = cv::Rect(pixel.x - 1, pixel.y - 1, 3, 3) &
-                            cv::Rect(0, 0, matches_.cols, matches_.rows);
+    const cv::Rect around =
+        cv::Rect(pixel.x - 1, pixel.y - 1, 3, 3) & cv::Rect(0, 0, matches_.cols, matches_.rows);
     for (int y = around.y; y < around.br().y; ++y) {
       for (int x = around.x; x < around.br().x; ++x) {
         std::int16_t& match = matches_(y, x);

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/search/range_source.h"
+#include "search/range_source.h"
 
 namespace cbmv {
 
@@ -21,8 +21,7 @@ DisparityRange FollowedRange::rangeOf(const GrayPair& images, int min_disparity)
     }
   }
   --pairs_to_measurement_;
-  return tracker_.range().value_or(
-      RangeFinder::defaultRange(min_disparity, images.left.cols));
+  return tracker_.range().value_or(RangeFinder::defaultRange(min_disparity, images.left.cols));
 }
 
 }  // namespace cbmv

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/search/range_tracker.h"
+#include "search/range_tracker.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cbmv_stereo/volume/disparity_range.h"
+#include "cbmv_stereo/disparity_range.h"
 
 // Rows as the vector code of the scan for mutual matches takes them.
 

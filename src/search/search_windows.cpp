@@ -1,11 +1,11 @@
-#include "cbmv_stereo/search/search_windows.h"
+#include "search/search_windows.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/search/mutual_matches.h"
+#include "search/mutual_matches.h"
 
 namespace cbmv {
 namespace {
@@ -19,7 +19,8 @@ void setRange(int first, int last, int count, std::uint64_t* words) {
   for (int i = first; i <= last;) {
     const int bit = i % kWordBits;
     const int bits = std::min(kWordBits - bit, last - i + 1);
-    const std::uint64_t ones = bits == kWordBits ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+    const std::uint64_t ones =
+        bits == kWordBits ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
     words[i / kWordBits] |= ones << bit;
     i += bits;
   }
@@ -70,8 +71,7 @@ void SearchWindows::build(const cv::Mat& coarse, float invalid, const cv::Mat& m
   sets_.prepare([&](auto& set) { set.resize(words); });
   space.build(matches.rows, matches.cols, range, [&](int y, SearchSpace::Row& row) {
     const int coarse_y = std::min(y / 2, coarse.rows - 1);
-    const cv::Range coarse_rows =
-        around(coarse_y, coarse_y, options.neighborhood_px, coarse.rows);
+    const cv::Range coarse_rows = around(coarse_y, coarse_y, options.neighborhood_px, coarse.rows);
     const cv::Range match_rows = around(y, y, kRescueRows, matches.rows);
     std::vector<std::uint64_t>& set = sets_.local();
     for (int t = 0; t < tiles; ++t) {
@@ -87,9 +87,8 @@ void SearchWindows::build(const cv::Mat& coarse, float invalid, const cv::Mat& m
   });
 }
 
-void SearchWindows::collectCoarse(const cv::Mat& coarse, float invalid,
-                                  const DisparityRange& range, const SearchOptions& options,
-                                  int tiles, int words) {
+void SearchWindows::collectCoarse(const cv::Mat& coarse, float invalid, const DisparityRange& range,
+                                  const SearchOptions& options, int tiles, int words) {
   coarse_sets_.reset(coarse.rows, tiles, words);
   tbb::parallel_for(0, coarse.rows, [&](int y) {
     const auto* disparities = coarse.ptr<float>(y);

@@ -15,8 +15,8 @@
 
 #include <hwy/highway.h>
 
-#include "cbmv_stereo/selection/cell_grid.h"
-#include "cbmv_stereo/selection/map_planes.h"
+#include "selection/cell_grid.h"
+#include "selection/map_planes.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace cbmv {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/confident_neighbors.h"
+#include "selection/confident_neighbors.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/map_confidence.h"
+#include "selection/map_confidence.h"
 
 #include <algorithm>
 #include <cmath>

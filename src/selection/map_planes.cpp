@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/map_planes.h"
+#include "selection/map_planes.h"
 
 #include <algorithm>
 #include <cmath>

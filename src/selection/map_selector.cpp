@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/map_selector.h"
+#include "selection/map_selector.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/refinement/median_filter.h"
+#include "refinement/median_filter.h"
 
 namespace cbmv {
 namespace {

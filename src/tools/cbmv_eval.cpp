@@ -11,24 +11,24 @@
 
 #include <CLI/CLI.hpp>
 
-#include "../io/binary_file.h"
-#include "data_arguments.h"
-#include "program_files.h"
-#include "range_checks.h"
-#include "run_tool.h"
+#include "evaluation/evaluation.h"
+#include "evaluation/evaluation_page.h"
+#include "evaluation/json_report.h"
+#include "evaluation/opencv_baseline.h"
+#include "evaluation/pictures.h"
+#include "evaluation/submission.h"
+#include "forest/forest_file.h"
+#include "io/binary_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
+#include "tools/data_arguments.h"
+#include "tools/program_files.h"
+#include "tools/range_checks.h"
+#include "tools/run_tool.h"
+#include "training/cross_validation.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/evaluation.h"
-#include "cbmv_stereo/evaluation/evaluation_page.h"
-#include "cbmv_stereo/evaluation/json_report.h"
-#include "cbmv_stereo/evaluation/opencv_baseline.h"
-#include "cbmv_stereo/evaluation/pictures.h"
-#include "cbmv_stereo/evaluation/submission.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/training/cross_validation.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace {
 
@@ -143,8 +143,7 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
   if (arguments.folds > 0) {
     setUpFolds(arguments, options, data_set, settings, evaluation);
   } else {
-    const auto forest =
-        std::make_shared<cbmv::Forest>(cbmv::readForest(cbmv::forestFile(arguments.forest)));
+    const auto forest = cbmv::loadForest(cbmv::forestFile(arguments.forest));
     evaluation.report.forest = forest->name;
     settings += cbmv::forestChecksum(*forest);
     evaluation.source = cbmv::matchingSource(forest, options.front());

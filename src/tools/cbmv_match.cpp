@@ -10,20 +10,21 @@
 
 #include <CLI/CLI.hpp>
 
-#include "program_files.h"
-#include "run_tool.h"
-#include "stereo_arguments.h"
+#include "forest/forest_file.h"
+#include "io/image_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
+#include "io/pfm.h"
+#include "io/ply.h"
+#include "io/preview.h"
+#include "io/stereo_cameras.h"
+#include "pipeline/frame_processor.h"
+#include "tools/program_files.h"
+#include "tools/run_tool.h"
+#include "tools/stereo_arguments.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/io/preview.h"
-#include "cbmv_stereo/io/stereo_cameras.h"
-#include "cbmv_stereo/output/points.h"
-#include "cbmv_stereo/pipeline/frame_processor.h"
+#include "cbmv_stereo/points.h"
 
 namespace cbmv {
 namespace {
@@ -130,8 +131,7 @@ void match(const Arguments& arguments) {
   const auto calibration = readCalibration(arguments);
   const StereoInput input = readInput(arguments, calibration);
   const StereoOptions options = readOptions(arguments, calibration, input.left.cols);
-  FrameProcessor processor(std::make_shared<const Forest>(readForest(forestFile(arguments.forest))),
-                           options);
+  FrameProcessor processor(loadForest(forestFile(arguments.forest)), options);
   const PreparedPair pair = processor.prepare(input);
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());

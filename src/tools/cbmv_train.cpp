@@ -7,19 +7,19 @@
 
 #include <CLI/CLI.hpp>
 
-#include "data_arguments.h"
-#include "program_files.h"
-#include "progress_bar.h"
-#include "run_tool.h"
+#include "forest/forest_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
+#include "tools/data_arguments.h"
+#include "tools/program_files.h"
+#include "tools/progress_bar.h"
+#include "tools/run_tool.h"
+#include "training/forest_training.h"
+#include "training/held_out_measures.h"
+#include "training/sample_file.h"
+#include "training/second_forest.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/training/forest_training.h"
-#include "cbmv_stereo/training/held_out_measures.h"
-#include "cbmv_stereo/training/sample_file.h"
-#include "cbmv_stereo/training/second_forest.h"
+#include "cbmv_stereo/parameters.h"
 
 // NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
 int main(int argc, char** argv) {

@@ -9,17 +9,17 @@
 
 #include <CLI/CLI.hpp>
 
-#include "data_arguments.h"
-#include "program_files.h"
-#include "range_checks.h"
-#include "run_tool.h"
+#include "forest/forest_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
+#include "tools/data_arguments.h"
+#include "tools/program_files.h"
+#include "tools/range_checks.h"
+#include "tools/run_tool.h"
+#include "training/cross_validation.h"
+#include "tuning/tuning.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/training/cross_validation.h"
-#include "cbmv_stereo/tuning/tuning.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace {
 
@@ -37,7 +37,7 @@ std::vector<std::shared_ptr<const cbmv::Forest>> readForests(
   std::vector<std::shared_ptr<const cbmv::Forest>> forests;
   forests.reserve(files.size());
   for (const std::string& file : files) {
-    forests.push_back(std::make_shared<cbmv::Forest>(cbmv::readForest(file)));
+    forests.push_back(cbmv::loadForest(file));
   }
   return forests;
 }

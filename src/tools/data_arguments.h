@@ -7,10 +7,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "range_checks.h"
-
-#include "cbmv_stereo/io/data_set.h"
-#include "cbmv_stereo/training/forest_training.h"
+#include "data_sets/data_set.h"
+#include "tools/range_checks.h"
+#include "training/forest_training.h"
 
 namespace cbmv {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "cbmv_stereo/pipeline/presets.h"
+#include "cbmv_stereo/presets.h"
 
 namespace cbmv {
 namespace {

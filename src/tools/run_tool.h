@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "pipeline/machine_memory.h"
 
 namespace cbmv {
 

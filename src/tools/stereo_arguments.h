@@ -6,10 +6,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "program_files.h"
-#include "range_checks.h"
+#include "tools/program_files.h"
+#include "tools/range_checks.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/booster.h"
+#include "training/booster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "training_checks.h"
+#include "training/training_checks.h"
 
 namespace cbmv {
 namespace {

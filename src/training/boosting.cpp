@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/boosting.h"
+#include "training/boosting.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "quantile.h"
-#include "training_checks.h"
-
-#include "cbmv_stereo/training/booster.h"
+#include "training/booster.h"
+#include "training/quantile.h"
+#include "training/training_checks.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/cross_validation.h"
+#include "training/cross_validation.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/forest_training.h"
+#include "training/forest_training.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,12 @@
 #include <sstream>
 #include <utility>
 
-#include "training_checks.h"
-
-#include "cbmv_stereo/forest/forest_evaluator.h"
-#include "cbmv_stereo/pipeline/machine_memory.h"
-#include "cbmv_stereo/pipeline/pyramid_matcher.h"
-#include "cbmv_stereo/training/held_out_measures.h"
-#include "cbmv_stereo/training/second_forest.h"
+#include "pipeline/machine_memory.h"
+#include "forest/forest_evaluator.h"
+#include "pipeline/pyramid_matcher.h"
+#include "training/held_out_measures.h"
+#include "training/second_forest.h"
+#include "training/training_checks.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/held_out_measures.h"
+#include "training/held_out_measures.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,9 @@
 #include <cstdio>
 #include <numeric>
 
-#include "training_checks.h"
-
-#include "cbmv_stereo/confidence/feature_names.h"
-#include "cbmv_stereo/forest/tree_walker.h"
+#include "confidence/feature_names.h"
+#include "forest/tree_walker.h"
+#include "training/training_checks.h"
 
 namespace cbmv {
 namespace {

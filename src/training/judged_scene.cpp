@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/judged_scene.h"
+#include "training/judged_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "cbmv_stereo/selection/confidence_features.h"
-#include "cbmv_stereo/selection/selection_features.h"
-#include "cbmv_stereo/training/sampling.h"
+#include "selection/confidence_features.h"
+#include "selection/selection_features.h"
+#include "training/sampling.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/random_forest.h"
+#include "training/random_forest.h"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 #include <tbb/global_control.h>
 #include <xgboost/c_api.h>
 
-#include "training_checks.h"
+#include "forest/forest_file.h"
+#include "training/training_checks.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest_file.h"
 
 namespace cbmv {
 namespace {

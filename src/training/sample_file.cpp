@@ -1,9 +1,10 @@
-#include "cbmv_stereo/training/sample_file.h"
+#include "training/sample_file.h"
 
 #include <fstream>
 #include <limits>
 
-#include "cbmv_stereo/confidence/feature_names.h"
+#include "confidence/feature_names.h"
+
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {

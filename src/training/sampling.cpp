@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/sampling.h"
+#include "training/sampling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/confidence/row_features.h"
-#include "cbmv_stereo/matching/matcher_set.h"
-#include "cbmv_stereo/optimization/coarse_volume.h"
+#include "confidence/row_features.h"
+#include "matching/matcher_set.h"
+#include "volume/coarse_volume.h"
 
 namespace cbmv {
 namespace {

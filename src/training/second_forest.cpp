@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/second_forest.h"
+#include "training/second_forest.h"
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,12 @@
 #include <sstream>
 #include <utility>
 
-#include "quantile.h"
+#include "training/boosting.h"
+#include "training/held_out_measures.h"
+#include "training/judged_scene.h"
+#include "training/quantile.h"
 
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/training/boosting.h"
-#include "cbmv_stereo/training/held_out_measures.h"
-#include "cbmv_stereo/training/judged_scene.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "forest/forest.h"
+#include "training/sample_labels.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest.h"
-#include "cbmv_stereo/training/sample_labels.h"
 
 namespace cbmv {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/parameter_search.h"
+#include "tuning/parameter_search.h"
 
 #include <algorithm>
 #include <exception>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/parameter_space.h"
+#include "tuning/parameter_space.h"
 
 #include <algorithm>
 #include <array>
@@ -103,7 +103,7 @@ std::vector<double> ParameterSpace::coordinates(const StereoOptions& options) co
 }
 
 StereoOptions ParameterSpace::optionsAt(const std::vector<double>& coordinates,
-                                     const StereoOptions& others) const {
+                                        const StereoOptions& others) const {
   StereoOptions options = others;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const double value = valueAt(axes_[i], std::clamp(coordinates[i], 0.0, 1.0));

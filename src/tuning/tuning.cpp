@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/tuning.h"
+#include "tuning/tuning.h"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,11 @@
 
 #include <tbb/task_arena.h>
 
+#include "evaluation/folds.h"
+#include "evaluation/scene_score.h"
+#include "tuning/tuning_scene.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/folds.h"
-#include "cbmv_stereo/evaluation/scene_score.h"
-#include "cbmv_stereo/tuning/tuning_scene.h"
 
 namespace cbmv {
 namespace {

@@ -1,14 +1,14 @@
-#include "cbmv_stereo/tuning/tuning_report.h"
+#include "tuning/tuning_report.h"
 
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <sstream>
 
-#include "../io/binary_file.h"
+#include "io/binary_file.h"
+#include "tuning/parameter_space.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/tuning/parameter_space.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

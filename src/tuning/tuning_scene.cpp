@@ -1,14 +1,15 @@
-#include "cbmv_stereo/tuning/tuning_scene.h"
+#include "tuning/tuning_scene.h"
 
 #include <algorithm>
 #include <numeric>
 
+#include "pipeline/machine_memory.h"
+#include "evaluation/disparity_source.h"
+#include "evaluation/scene_score.h"
+#include "pipeline/memory.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_source.h"
-#include "cbmv_stereo/evaluation/scene_score.h"
-#include "cbmv_stereo/pipeline/machine_memory.h"
-#include "cbmv_stereo/pipeline/memory.h"
-#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/vertical_offset.h"
 
 namespace cbmv {
 namespace {

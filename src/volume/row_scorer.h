@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cbmv_stereo/confidence/row_features.h"
-#include "cbmv_stereo/forest/forest_evaluator.h"
+#include "confidence/row_features.h"
+#include "forest/forest_evaluator.h"
 
 namespace cbmv {
 

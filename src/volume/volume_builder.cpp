@@ -1,4 +1,4 @@
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "volume/volume_builder.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "row_scorer.h"
+#include "volume/row_scorer.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volume/volume_builder.cpp"

@@ -1,11 +1,11 @@
-#include "cbmv_stereo/volume/windowed_right_view.h"
+#include "volume/windowed_right_view.h"
 
 #include <algorithm>
 #include <cstddef>
 
 #include <tbb/parallel_for.h>
 
-#include "cbmv_stereo/matching/cost_row.h"
+#include "matching/cost_row.h"
 
 namespace cbmv {
 namespace {
@@ -50,8 +50,8 @@ void WindowedRightView::build(const SearchSpace& left_space,
     for_entries(y, [&](const SearchSpace::Tile& tile, int /*t*/, int k, const ColumnSpan& columns) {
       const int index = tile.indices[k];
       for (const int t : {columns.begin / kTileColumns, (columns.end - 1) / kTileColumns}) {
-        row.sets[static_cast<std::size_t>(t) * words + index / kWordBits] |=
-            std::uint64_t{1} << (index % kWordBits);
+        row.sets[static_cast<std::size_t>(t) * words + index / kWordBits] |= std::uint64_t{1}
+                                                                             << (index % kWordBits);
       }
     });
     for (int t = 0; t < tiles; ++t) {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/volume/windowed_volume_builder.h"
+#include "volume/windowed_volume_builder.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,10 +6,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "row_scorer.h"
-
-#include "cbmv_stereo/volume/per_thread.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "base/per_thread.h"
+#include "volume/row_scorer.h"
+#include "volume/volume_builder.h"
 
 namespace cbmv {
 namespace {

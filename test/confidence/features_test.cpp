@@ -1,4 +1,4 @@
-#include "cbmv_stereo/confidence/features.h"
+#include "confidence/features.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/confidence_profile.h"
+#include "evaluation/confidence_profile.h"
 
 #include <algorithm>
 #include <cmath>

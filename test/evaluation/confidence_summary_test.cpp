@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/confidence_summary.h"
+#include "evaluation/confidence_summary.h"
 
 #include <cmath>
 

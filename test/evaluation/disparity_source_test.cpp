@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/disparity_source.h"
+#include "evaluation/disparity_source.h"
 
 #include <cmath>
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
+#include "io/image_file.h"
+#include "io/pfm.h"
 #include "support/error_text.h"
 #include "support/random_forest.h"
 #include "support/rendered_stereo_scene.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

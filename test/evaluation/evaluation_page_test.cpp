@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/evaluation_page.h"
+#include "evaluation/evaluation_page.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "evaluation/evaluation_report.h"
 
 #include <algorithm>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/json_report.h"
+#include "evaluation/json_report.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/opencv_baseline.h"
+#include "evaluation/opencv_baseline.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,15 +1,14 @@
-#include "cbmv_stereo/evaluation/pictures.h"
+#include "evaluation/pictures.h"
 
 #include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "io/image_file.h"
+#include "io/preview.h"
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/preview.h"
 
 namespace cbmv {
 namespace {

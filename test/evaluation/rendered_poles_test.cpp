@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/rendered_poles.h"
+#include "evaluation/rendered_poles.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
-#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "evaluation/rendered_scene.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/evaluation/disparity_error.h"
+#include "data_sets/visible_in_both.h"
 
 namespace cbmv {
 namespace {

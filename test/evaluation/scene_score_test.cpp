@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/scene_score.h"
+#include "evaluation/scene_score.h"
 
 #include <cmath>
 #include <limits>
@@ -6,10 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluation/disparity_error.h"
+#include "evaluation/sparsification.h"
 #include "support/error_text.h"
-
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/evaluation/sparsification.h"
 
 namespace cbmv {
 namespace {

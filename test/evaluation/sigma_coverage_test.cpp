@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/sigma_coverage.h"
+#include "evaluation/sigma_coverage.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/sparsification.h"
+#include "evaluation/sparsification.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluation/disparity_error.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
 
 namespace cbmv {
 namespace {

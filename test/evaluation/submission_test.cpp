@@ -1,4 +1,4 @@
-#include "cbmv_stereo/evaluation/submission.h"
+#include "evaluation/submission.h"
 
 #include <cmath>
 #include <cstdint>
@@ -9,13 +9,12 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "io/disparity_file.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/disparity_file.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {

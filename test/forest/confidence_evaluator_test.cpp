@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/confidence_evaluator.h"
+#include "forest/confidence_evaluator.h"
 
 #include <cmath>
 #include <random>

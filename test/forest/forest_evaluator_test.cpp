@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/forest_evaluator.h"
+#include "forest/forest_evaluator.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/forest_file.h"
+#include "forest/forest_file.h"
 
 #include <array>
 #include <chrono>

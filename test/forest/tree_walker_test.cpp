@@ -1,4 +1,4 @@
-#include "cbmv_stereo/forest/tree_walker.h"
+#include "forest/tree_walker.h"
 
 #include <array>
 #include <random>
@@ -6,9 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "forest/forest_evaluator.h"
 #include "support/random_forest.h"
-
-#include "cbmv_stereo/forest/forest_evaluator.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/input/calibration_check.h"
+#include "cbmv_stereo/calibration_check.h"
 
 #include <cmath>
 #include <functional>
@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "input/camera_properties.h"
 #include "support/error_text.h"
 
 namespace cbmv {
@@ -38,8 +39,7 @@ CalibrationCheck check(const StereoCameras& cameras,
 
 using Change = std::function<void(StereoCameras&)>;
 
-CalibrationCheck checkWith(const Change& change,
-                           RectifiedBy rectified_by = RectifiedBy::kOthers) {
+CalibrationCheck checkWith(const Change& change, RectifiedBy rectified_by = RectifiedBy::kOthers) {
   StereoCameras cameras = goodCameras();
   change(cameras);
   return check(cameras, rectified_by);
@@ -89,10 +89,10 @@ TEST(CalibrationCheck, TakesTheLeftCamerasPlaceIntoTheBaseline) {
 
 TEST(CalibrationCheck, TakesKittisNumbers) {
   StereoCameras kitti = goodCameras();
-  kitti.left.projection = {721.5377, 0, 609.5593, 44.85728, 0,          721.5377,
-                           172.854,  0.2163791, 0, 0,       1, 0.002745884};
-  kitti.right.projection = {721.5377, 0, 609.5593, -339.5242, 0,          721.5377,
-                            172.854,  2.199936, 0, 0,         1, 0.002729905};
+  kitti.left.projection = {721.5377, 0,         609.5593, 44.85728, 0, 721.5377,
+                           172.854,  0.2163791, 0,        0,        1, 0.002745884};
+  kitti.right.projection = {721.5377, 0,        609.5593, -339.5242, 0, 721.5377,
+                            172.854,  2.199936, 0,        0,         1, 0.002729905};
   for (CameraCalibration* camera : {&kitti.left, &kitti.right}) {
     camera->width = 1242;
     camera->height = 375;
@@ -142,13 +142,13 @@ TEST(CalibrationCheck, WarnsOfEntriesThatNoRectifiedCameraHas) {
 
 TEST(CalibrationCheck, WarnsOfBaselinesInOtherUnits) {
   for (const double p3 : {-30000.0, -0.1}) {  // mm; not multiplied by f
-    expectWarning({"/left/info and /right/info", "baseline", "0.005 to 5 m", "mm", "-fx * baseline"},
-                  [&](auto& cameras) { cameras.right.projection[3] = p3; });
+    expectWarning(
+        {"/left/info and /right/info", "baseline", "0.005 to 5 m", "mm", "-fx * baseline"},
+        [&](auto& cameras) { cameras.right.projection[3] = p3; });
   }
   for (const double p3 : {-1.5, -1500.0}) {  // 5 mm and 5 m
-    EXPECT_TRUE(checkWith([&](auto& cameras) {
-                  cameras.right.projection[3] = p3;
-                }).warnings.empty());
+    EXPECT_TRUE(
+        checkWith([&](auto& cameras) { cameras.right.projection[3] = p3; }).warnings.empty());
   }
 }
 
@@ -180,8 +180,9 @@ TEST(CalibrationCheck, ComparesTheSizes) {
               set_size(640, 480));
   expectWarning({"/right/info", "0 x 0", "320 x 240 px"}, set_size(0, 0));
   EXPECT_TRUE(checkWith(set_size(0, 0), RectifiedBy::kFiles).warnings.empty());
-  expectError(fault, {"/left/info", "region of interest (roi) of 319 x 239 px"},
-              [](auto& cameras) { cameras.left.roi = {0, 0, 319, 239}; });
+  expectError(fault, {"/left/info", "region of interest (roi) of 319 x 239 px"}, [](auto& cameras) {
+    cameras.left.roi = {0, 0, 319, 239};
+  });
   expectError(fault, {"/left/info", "160 x 120 px (binning 2 x 2)"},
               [](auto& cameras) { cameras.left.binning_x = cameras.left.binning_y = 2; });
   expectWarning({"/left/info", "principal point at (500, 120)"}, [](auto& cameras) {

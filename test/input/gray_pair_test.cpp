@@ -1,4 +1,4 @@
-#include "cbmv_stereo/input/gray_pair.h"
+#include "cbmv_stereo/gray_pair.h"
 
 #include <cstdint>
 

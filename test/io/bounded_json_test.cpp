@@ -1,4 +1,4 @@
-#include "../src/io/bounded_json.h"
+#include "io/bounded_json.h"
 
 #include <string>
 

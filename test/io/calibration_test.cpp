@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/calibration.h"
+#include "io/calibration.h"
 
 #include <filesystem>
 #include <string>

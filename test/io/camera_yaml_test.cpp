@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/camera_yaml.h"
+#include "io/camera_yaml.h"
 
 #include <filesystem>
 #include <string>

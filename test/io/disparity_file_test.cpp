@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/disparity_file.h"
+#include "io/disparity_file.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,11 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "io/image_file.h"
+#include "io/pfm.h"
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/image_file.h"
+#include "io/image_file.h"
 
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "../src/io/image_size.h"
+#include "io/image_size.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/temporary_folder.h"

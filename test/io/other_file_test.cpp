@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/other_file.h"
+#include "io/other_file.h"
 
 #include <filesystem>
 #include <fstream>

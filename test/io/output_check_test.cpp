@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/output_check.h"
+#include "io/output_check.h"
 
 #include <filesystem>
 

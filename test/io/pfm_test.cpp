@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/pfm.h"
+#include "io/pfm.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/ply.h"
+#include "io/ply.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/io/stereo_cameras.h"
+#include "io/stereo_cameras.h"
 
 #include <array>
 #include <cmath>
@@ -8,10 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "io/camera_yaml.h"
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/camera_yaml.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/census.h"
+#include "matching/census.h"
 
 #include "support/matching_reference.h"
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/ncc.h"
+#include "matching/ncc.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/sobel_sad.h"
+#include "matching/sobel_sad.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/matching/zero_mean_sad.h"
+#include "matching/zero_mean_sad.h"
 
 #include <cmath>
 

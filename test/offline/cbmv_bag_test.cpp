@@ -13,12 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "forest/forest_file.h"
 #include "recording.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/run_tool.h"
-
-#include "cbmv_stereo/forest/forest_file.h"
 
 namespace cbmv {
 namespace {

@@ -11,14 +11,13 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <std_msgs/String.h>
 
+#include "evaluation/rendered_scene.h"
+#include "io/camera_yaml.h"
 #include "offline/frame_outputs.h"
 #include "recording.h"
 #include "ros/conversions.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
-
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/camera_yaml.h"
 
 namespace cbmv {
 namespace {
@@ -361,8 +360,8 @@ class RectifiedAsRaw : public ConversionTest {
       sensor_msgs::CameraInfo& info = left ? *messages.left_info : *messages.right_info;
       info.distortion_model = "plumb_bob";
       info.D = {left ? -0.3 : -0.25, 0.1, 0, 0, 0};
-      info.K = {left ? 305.0 : 310.0, 0, 158, 0, left ? 305.0 : 310.0, left ? 121.0 : 124.0,
-                0, 0, 1};
+      info.K = {left ? 305.0 : 310.0, 0, 158, 0, left ? 305.0 : 310.0,
+                left ? 121.0 : 124.0, 0, 0,   1};
     }
     const ros::Time time(100);
     bag.write("/kitti/left/image_raw", time, messages.left_image);
@@ -502,7 +501,8 @@ TEST_F(CalibratedByFiles, NameTheFileThatCannotBeUsed) {
   left.distortion_model = "fisheye";
   left.D.assign(4, 0.0);
   writeFiles(left, *recordedFrame(0).right_info);
-  EXPECT_TRUE(mentions(failure(), {"/cam0/image_raw is raw, but ", "left.yaml has the unknown "
+  EXPECT_TRUE(mentions(failure(), {"/cam0/image_raw is raw, but ",
+                                   "left.yaml has the unknown "
                                    "distortion model 'fisheye'"}));
 }
 
@@ -558,7 +558,8 @@ TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
   EXPECT_EQ(summary.failed, 1U);
   EXPECT_FALSE(summary.isComplete());
   ASSERT_EQ(summary.failures.size(), 1U);
-  EXPECT_TRUE(mentions(describeSummary(summary), {"3 of 4 frames done, 1 failed", "differ in size"}));
+  EXPECT_TRUE(
+      mentions(describeSummary(summary), {"3 of 4 frames done, 1 failed", "differ in size"}));
   ASSERT_EQ(disparities(output_).size(), 3U);
   EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
 }
@@ -691,7 +692,8 @@ TEST_F(ConversionTest, AnOutputThatIsAnInputIsRejected) {
   options_.inputs = {folder_.file("other.bag"), input_};
   for (const std::string name : {"in.bag", "./in.bag", "sub/../in.bag", "link.bag", "hard.bag"}) {
     options_.output = folder_.file(name);
-    EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"is the input", "in.bag"})) << name;
+    EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"is the input", "in.bag"}))
+        << name;
   }
   options_.inputs = {folder_.file("out.bag.part.0-3")};
   options_.output = folder_.file("out.bag");

@@ -5,10 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "evaluation/rendered_scene.h"
 #include "recording.h"
 #include "ros/raw_rig.h"
-
-#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 namespace cbmv {
 namespace {
@@ -25,8 +24,8 @@ PairMessages rectifiedPair() {
 /// The same lens with so much of its distortion, turn and decentering.
 Lens weakened(const Lens& lens, double share) {
   Lens weak = lens;
-  weak.matrix = cv::Matx33d(185, 0, 109.5, 0, 185, 79.5, 0, 0, 1) * (1 - share) +
-                lens.matrix * share;
+  weak.matrix =
+      cv::Matx33d(185, 0, 109.5, 0, 185, 79.5, 0, 0, 1) * (1 - share) + lens.matrix * share;
   for (double& coefficient : weak.distortion) {
     coefficient *= share;
   }

@@ -10,12 +10,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "io/camera_yaml.h"
+#include "io/pfm.h"
 #include "recording.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
-
-#include "cbmv_stereo/io/camera_yaml.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {

@@ -7,11 +7,10 @@
 #include <gtest/gtest.h>
 #include <std_msgs/String.h>
 
+#include "forest/forest_file.h"
 #include "recording.h"
 #include "support/error_text.h"
 #include "support/run_tool.h"
-
-#include "cbmv_stereo/forest/forest_file.h"
 
 namespace cbmv {
 namespace {

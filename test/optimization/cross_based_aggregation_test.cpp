@@ -1,12 +1,11 @@
-#include "cbmv_stereo/optimization/cross_based_aggregation.h"
+#include "optimization/cross_based_aggregation.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "optimization/support_arms.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/optimization/support_arms.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,15 +1,16 @@
-#include "cbmv_stereo/optimization/semi_global_matching.h"
+#include "optimization/semi_global_matching.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "optimization/sgm_penalties.h"
+#include "optimization/surface_prior.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/optimization/surface_prior.h"
 
 namespace cbmv::test {
 namespace {

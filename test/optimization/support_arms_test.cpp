@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/support_arms.h"
+#include "optimization/support_arms.h"
 
 #include <cmath>
 

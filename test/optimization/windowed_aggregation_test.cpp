@@ -1,15 +1,14 @@
-#include "cbmv_stereo/optimization/windowed_aggregation.h"
+#include "optimization/windowed_aggregation.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "optimization/support_arms.h"
 #include "support/random_images.h"
 #include "support/random_search_space.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/optimization/support_arms.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_sgm.h"
+#include "optimization/windowed_sgm.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "optimization/semi_global_matching.h"
+#include "optimization/surface_prior.h"
 #include "support/random_images.h"
 #include "support/random_search_space.h"
 #include "support/simd_targets.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/optimization/semi_global_matching.h"
-#include "cbmv_stereo/optimization/surface_prior.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_winner_maps.h"
+#include "optimization/windowed_winner_maps.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -6,12 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include "optimization/winner_takes_all.h"
+#include "refinement/subpixel.h"
 #include "support/random_images.h"
 #include "support/random_search_space.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/optimization/winner_takes_all.h"
-#include "cbmv_stereo/refinement/subpixel.h"
 
 namespace cbmv::test {
 namespace {

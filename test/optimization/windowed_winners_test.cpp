@@ -1,4 +1,4 @@
-#include "cbmv_stereo/optimization/windowed_winners.h"
+#include "optimization/windowed_winners.h"
 
 #include <algorithm>
 #include <functional>
@@ -9,8 +9,7 @@
 #include "support/random_images.h"
 #include "support/random_search_space.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/volume/windowed_right_view.h"
+#include "volume/windowed_right_view.h"
 
 namespace cbmv {
 namespace {
@@ -45,8 +44,8 @@ int costAt(const SearchSpace& space, const WindowedVolume<Cost>& costs, View vie
   if (match < 0 || match >= space.width() || found == end) {
     return kNone;
   }
-  return costs.entry(tile.first_entry + static_cast<std::size_t>(found - tile.indices))
-      [x % kTileColumns];
+  return costs.entry(tile.first_entry +
+                     static_cast<std::size_t>(found - tile.indices))[x % kTileColumns];
 }
 
 /// Index of the cheapest of the range; −1: none.
@@ -88,9 +87,8 @@ TEST(WindowedWinners, EqualPlainLoopsOnEveryInstructionSet) {
         cv::Mat found;
         windowedWinners(space, costs, view, found);
         forPixels(space, [&](int y, int x) {
-          const int best = cheapest(space.range().count, [&](int i) {
-            return costAt(space, costs, view, y, x, i);
-          });
+          const int best = cheapest(space.range().count,
+                                    [&](int i) { return costAt(space, costs, view, y, x, i); });
           ASSERT_EQ(found.at<float>(y, x), space.range().min + best) << view << y << ", " << x;
         });
       }

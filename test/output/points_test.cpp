@@ -1,4 +1,4 @@
-#include "cbmv_stereo/output/points.h"
+#include "cbmv_stereo/points.h"
 
 #include <cmath>
 #include <limits>

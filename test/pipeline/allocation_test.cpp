@@ -13,14 +13,14 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include "forest/forest_file.h"
+#include "pipeline/disparity_estimator.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/second_forest.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
+#include "pipeline/disparity_estimator.h"
 
 #include <algorithm>
 #include <memory>
@@ -7,9 +7,9 @@
 
 #include "support/random_forest.h"
 #include "support/random_images.h"
+#include "volume/volume_builder.h"
 
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::test {
 namespace {

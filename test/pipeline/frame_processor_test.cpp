@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/frame_processor.h"
+#include "pipeline/frame_processor.h"
 
 #include <chrono>
 #include <cmath>
@@ -6,11 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "support/forest_fixture.h"
+#include "evaluation/rendered_scene.h"
+#include "pipeline/memory.h"
 #include "support/error_text.h"
-
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/pipeline/memory.h"
+#include "support/forest_fixture.h"
 
 namespace cbmv {
 namespace {
@@ -107,8 +106,9 @@ TEST(OptionsFor, RefuseWhatTheMachineHasNoMemoryFor) {
     FAIL() << "nothing was thrown";
   } catch (const InputError& error) {
     EXPECT_EQ(error.fault(), InputFault::kMemory);
-    EXPECT_TRUE(mentions(error.what(), {"/left: images of 2000000x2000000 pixels with 4096 disparities need ",
-                                         "the machine has "}));
+    EXPECT_TRUE(mentions(error.what(),
+                         {"/left: images of 2000000x2000000 pixels with 4096 disparities need ",
+                          "the machine has "}));
   }
 }
 
@@ -167,9 +167,9 @@ TEST_F(Processor, SourcesOfTheOffsetAgree) {
                      processor_.match(pair, own).result.disparity, cv::NORM_INF),
             0);
   const StereoResult followed = processUntilMeasured().result;
-  EXPECT_EQ(cv::norm(processor_.match(pair, given).result.disparity, followed.disparity,
-                     cv::NORM_INF),
-            0);
+  EXPECT_EQ(
+      cv::norm(processor_.match(pair, given).result.disparity, followed.disparity, cv::NORM_INF),
+      0);
 }
 
 TEST_F(Processor, FindsARangeThatIsAutomatic) {
@@ -198,7 +198,8 @@ TEST_F(Processor, TakesTheRangeFromItsSource) {
   processor_.setOptions(options_);
   const PreparedPair pair = processor_.prepare(misalignedPair());
   PreparedPair flat = pair;
-  flat.images = {cv::Mat(131, 251, CV_8UC1, cv::Scalar(9)), cv::Mat(131, 251, CV_8UC1, cv::Scalar(9))};
+  flat.images = {cv::Mat(131, 251, CV_8UC1, cv::Scalar(9)),
+                 cv::Mat(131, 251, CV_8UC1, cv::Scalar(9))};
   FollowedRange followed;
   const DisparityRange found = processor_.match(pair, offset_, followed).result.range;
   EXPECT_EQ(processor_.match(flat, offset_).result.range.count, RangeFinder::kDefaultCount);

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/machine_memory.h"
+#include "pipeline/machine_memory.h"
 
 #include <filesystem>
 #include <limits>
@@ -8,10 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/memory.h"
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/pipeline/memory.h"
 
 namespace cbmv {
 namespace {

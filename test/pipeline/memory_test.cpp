@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/memory.h"
+#include "pipeline/memory.h"
 
 #include <cmath>
 #include <fstream>
@@ -9,15 +9,15 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include "evaluation/rendered_scene.h"
+#include "forest/forest_file.h"
 #include "support/error_text.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/second_forest.h"
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "support/file_content.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 #include <fstream>
 #include <set>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/presets.h"
+#include "cbmv_stereo/presets.h"
 
 #include <filesystem>
 

@@ -1,17 +1,17 @@
-#include "cbmv_stereo/pipeline/pyramid_matcher.h"
+#include "pipeline/pyramid_matcher.h"
 
 #include <gtest/gtest.h>
 
+#include "evaluation/rendered_scene.h"
+#include "pipeline/disparity_estimator.h"
+#include "pipeline/windowed_estimator.h"
 #include "support/forest_fixture.h"
 #include "support/rendered_stereo_scene.h"
+#include "volume/volume_builder.h"
+#include "volume/windowed_volume_builder.h"
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/pipeline/disparity_estimator.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/pipeline/windowed_estimator.h"
-#include "cbmv_stereo/volume/volume_builder.h"
-#include "cbmv_stereo/volume/windowed_volume_builder.h"
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

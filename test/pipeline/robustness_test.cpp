@@ -15,12 +15,12 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include "forest/forest_file.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -7,17 +7,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "data_sets/middlebury_scene.h"
+#include "evaluation/disparity_error.h"
+#include "evaluation/rendered_scene.h"
+#include "forest/forest_file.h"
+#include "selection/map_selector.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/second_forest.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/middlebury_scene.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/selection/map_selector.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv::test {
 namespace {

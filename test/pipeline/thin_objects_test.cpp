@@ -5,19 +5,20 @@
 
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/evaluation/rendered_poles.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "evaluation/rendered_poles.h"
+#include "forest/forest_file.h"
+
+#include "cbmv_stereo/parameters.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {
 
-/// What the coarse levels do not see, with the forest that goes with the preset: at every width, the
-/// mean over several depths.
+/// What the coarse levels do not see, with the forest that goes with the preset: at every width,
+/// the mean over several depths.
 TEST(ThinObjects, AreFoundAsByTheExhaustiveSearch) {
-  const auto forest = std::make_shared<const Forest>(
-      readForest(CBMV_SOURCE_DIR "/models/middlebury_small.forest"));
+  const auto forest =
+      std::make_shared<const Forest>(readForest(CBMV_SOURCE_DIR "/models/middlebury_small.forest"));
   std::map<int, double> full_recall;
   std::map<int, double> recall;
   const std::vector<std::pair<int, int>> depths = {{4, 24}, {4, 48}, {10, 20}};

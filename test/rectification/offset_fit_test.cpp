@@ -1,4 +1,4 @@
-#include "cbmv_stereo/rectification/offset_fit.h"
+#include "rectification/offset_fit.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/rectification/tracker.h"
+#include "rectification/tracker.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "evaluation/rendered_scene.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 namespace cbmv {
 namespace {

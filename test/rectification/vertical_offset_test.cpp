@@ -1,4 +1,4 @@
-#include "cbmv_stereo/rectification/vertical_offset.h"
+#include "cbmv_stereo/vertical_offset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "data_sets/middlebury_scene.h"
+#include "evaluation/rendered_scene.h"
+
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/middlebury_scene.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/bilateral_filter.h"
+#include "refinement/bilateral_filter.h"
 
 #include <cmath>
 #include <random>

@@ -1,14 +1,13 @@
-#include "cbmv_stereo/refinement/interpolation.h"
+#include "refinement/interpolation.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "refinement/left_right_check.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/refinement/left_right_check.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,14 +1,13 @@
-#include "cbmv_stereo/refinement/left_border.h"
+#include "refinement/left_border.h"
 
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "refinement/disparity_refiner.h"
+#include "refinement/left_right_check.h"
 #include "support/random_images.h"
-
-#include "cbmv_stereo/refinement/disparity_refiner.h"
-#include "cbmv_stereo/refinement/left_right_check.h"
 
 namespace cbmv::test {
 namespace {

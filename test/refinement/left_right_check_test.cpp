@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/left_right_check.h"
+#include "refinement/left_right_check.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/refinement/speckle_filter.h"
+#include "refinement/speckle_filter.h"
 
 #include <cmath>
 #include <vector>

@@ -1,12 +1,11 @@
-#include "cbmv_stereo/refinement/subpixel.h"
+#include "refinement/subpixel.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "optimization/winner_takes_all.h"
 #include "support/random_images.h"
-
-#include "cbmv_stereo/optimization/winner_takes_all.h"
 
 namespace cbmv::test {
 namespace {

@@ -22,7 +22,7 @@
 #include "ros/rostest_main.h"
 #include "ros/wait_for.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

@@ -10,6 +10,9 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include "io/camera_yaml.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
 #include "ros/collector.h"
 #include "ros/raw_rig.h"
 #include "ros/rostest_main.h"
@@ -17,10 +20,6 @@
 #include "ros/wait_for.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/camera_yaml.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {
@@ -174,11 +173,11 @@ TEST_F(FramePath, MatchToolTellsTheSameBitsOfTheRectifiedImages) {
   writeImage(folder_.file("right.png"), live_->right_rect);
   writeCameraYaml(folder_.file("left.yaml"), toCameraCalibration(*live_->raw.left_info));
   writeCameraYaml(folder_.file("right.yaml"), toCameraCalibration(*live_->raw.right_info));
-  const test::Outcome outcome = test::run(
-      "cbmv_match", folder_.file("left.png") + " " + folder_.file("right.png") +
-                        " --calibration " + folder_.file("left.yaml") + " --right-calibration " +
-                        folder_.file("right.yaml") + " --output " + folder_.file("out") + " " +
-                        kOptions);
+  const test::Outcome outcome =
+      test::run("cbmv_match", folder_.file("left.png") + " " + folder_.file("right.png") +
+                                  " --calibration " + folder_.file("left.yaml") +
+                                  " --right-calibration " + folder_.file("right.yaml") +
+                                  " --output " + folder_.file("out") + " " + kOptions);
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_EQ(outcome.output, "");
   EXPECT_TRUE(sameBits(readPfm(folder_.file("out/disparity.pfm")), live_->disparity));

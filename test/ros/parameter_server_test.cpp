@@ -9,7 +9,7 @@
 #include "support/error_text.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

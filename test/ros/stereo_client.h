@@ -12,7 +12,7 @@
 #include "ros/parameter_server.h"
 #include "ros/wait_for.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "support/forest_fixture.h"
 #include "ros/rostest_main.h"
 #include "ros/stereo_client.h"
+#include "support/forest_fixture.h"
 
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

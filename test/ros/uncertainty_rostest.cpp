@@ -16,7 +16,7 @@
 #include "ros/wait_for.h"
 #include "support/forest_fixture.h"
 
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv {
 namespace {

@@ -1,8 +1,7 @@
 // Writes the forest of forest_fixture.h: the node under test reads it when it is launched.
 
+#include "forest/forest_file.h"
 #include "support/forest_fixture.h"
-
-#include "cbmv_stereo/forest/forest_file.h"
 
 int main(int, char** argv) {
   cbmv::writeForest(cbmv::makeForestFixture(), argv[1]);

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/search/mutual_matches.h"
+#include "search/mutual_matches.h"
 
 #include <algorithm>
 #include <vector>
@@ -7,9 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <tbb/global_control.h>
 
+#include "evaluation/rendered_scene.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/evaluation/rendered_scene.h"
 
 namespace cbmv {
 namespace {
@@ -103,7 +102,9 @@ class Reference {
       }
     }
     const bool mutual = std::abs(rightWinner(y, x - range_.min - winner) - winner) <= 1;
-    return mutual && second < kHuge && 100 * best < clear_percent_ * second ? static_cast<std::int16_t>(winner) : kNoMatch;
+    return mutual && second < kHuge && 100 * best < clear_percent_ * second
+               ? static_cast<std::int16_t>(winner)
+               : kNoMatch;
   }
 
   const cv::Mat& left_;
@@ -128,8 +129,8 @@ void expectReference(MutualMatcher& matcher, const Case& c, int clear_percent = 
 }
 
 TEST(MutualMatches, EqualTheReferenceOnEveryInstructionSet) {
-  const std::vector<Case> cases = {{{70, 27}, {0, 20}}, {{33, 9}, {-7, 15}},  {{64, 30}, {5, 1}},
-                                   {{12, 5}, {-20, 50}}, {{9, 3}, {20, 4}},    {{41, 1}, {0, 12}},
+  const std::vector<Case> cases = {{{70, 27}, {0, 20}},  {{33, 9}, {-7, 15}}, {{64, 30}, {5, 1}},
+                                   {{12, 5}, {-20, 50}}, {{9, 3}, {20, 4}},   {{41, 1}, {0, 12}},
                                    {{97, 26}, {0, 31}}};
   test::onEverySimdTarget([&] {
     MutualMatcher matcher;  // keeps its memory from case to case

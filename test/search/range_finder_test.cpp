@@ -1,10 +1,10 @@
-#include "cbmv_stereo/search/range_finder.h"
+#include "search/range_finder.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 #include <tbb/global_control.h>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
+#include "evaluation/rendered_scene.h"
 
 namespace cbmv {
 namespace {
@@ -103,8 +103,8 @@ TEST(RangeFinder, EndsWithTheImage) {
 
 TEST(RangeFinder, BeginsAtTheLowestDisparity) {
   EXPECT_EQ(countOf(makePlane({640, 480}, 30), -20), 80);
-  const auto found = RangeFinder().find(makePlane({640, 480}, -10).left,
-                                        makePlane({640, 480}, -10).right, -33);
+  const auto found =
+      RangeFinder().find(makePlane({640, 480}, -10).left, makePlane({640, 480}, -10).right, -33);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->min, -33);
   EXPECT_GE(found->max(), -10);

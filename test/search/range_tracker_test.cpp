@@ -1,9 +1,9 @@
-#include "cbmv_stereo/search/range_tracker.h"
+#include "search/range_tracker.h"
 
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/search/range_source.h"
+#include "evaluation/rendered_scene.h"
+#include "search/range_source.h"
 
 namespace cbmv {
 namespace {

@@ -1,11 +1,11 @@
-#include "cbmv_stereo/search/search_windows.h"
+#include "search/search_windows.h"
 
 #include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "cbmv_stereo/search/mutual_matches.h"
+#include "search/mutual_matches.h"
 
 namespace cbmv {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/cell_grid.h"
+#include "selection/cell_grid.h"
 
 #include <random>
 

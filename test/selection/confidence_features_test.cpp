@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/confidence_features.h"
+#include "selection/confidence_features.h"
 
 #include <algorithm>
 

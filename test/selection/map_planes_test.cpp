@@ -1,15 +1,14 @@
-#include "cbmv_stereo/selection/map_planes.h"
+#include "selection/map_planes.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "refinement/left_right_check.h"
 #include "support/judged_maps.h"
 #include "support/selection_reference.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/refinement/left_right_check.h"
 
 namespace cbmv::test {
 namespace {

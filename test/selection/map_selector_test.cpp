@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/map_selector.h"
+#include "selection/map_selector.h"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "refinement/left_right_check.h"
+#include "refinement/median_filter.h"
 #include "support/error_text.h"
 #include "support/judged_maps.h"
 #include "support/second_forest.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/refinement/left_right_check.h"
-#include "cbmv_stereo/refinement/median_filter.h"
 
 namespace cbmv::test {
 namespace {

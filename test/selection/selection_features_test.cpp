@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/selection_features.h"
+#include "selection/selection_features.h"
 
 #include <algorithm>
 

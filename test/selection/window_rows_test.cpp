@@ -1,4 +1,4 @@
-#include "cbmv_stereo/selection/window_rows.h"
+#include "selection/window_rows.h"
 
 #include <random>
 

@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "cbmv_stereo/training/sampling.h"
+#include "training/sampling.h"
 
 namespace cbmv::test {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cbmv_stereo/evaluation/evaluation_report.h"
+#include "evaluation/evaluation_report.h"
 
 namespace cbmv {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cbmv_stereo/forest/forest.h"
+#include "forest/forest.h"
 
 namespace cbmv {
 

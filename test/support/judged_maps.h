@@ -5,10 +5,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "optimization/winner_takes_all.h"
+#include "selection/map_planes.h"
 #include "support/random_images.h"
-
-#include "cbmv_stereo/optimization/winner_takes_all.h"
-#include "cbmv_stereo/selection/map_planes.h"
 
 namespace cbmv::test {
 

@@ -8,12 +8,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "matching/cost_row.h"
+#include "matching/padded_image.h"
+#include "matching/row_entries.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/matching/cost_row.h"
-#include "cbmv_stereo/matching/padded_image.h"
-#include "cbmv_stereo/matching/row_entries.h"
 
 namespace cbmv::test {
 

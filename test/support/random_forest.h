@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cbmv_stereo/forest/forest.h"
+#include "forest/forest.h"
 
 namespace cbmv::test {
 

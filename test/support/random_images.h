@@ -11,8 +11,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/volume/disparity_range.h"
-#include "cbmv_stereo/volume/volume.h"
+#include "base/volume.h"
+
+#include "cbmv_stereo/disparity_range.h"
 
 namespace cbmv {
 

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "cbmv_stereo/volume/search_space.h"
+#include "base/search_space.h"
 
 namespace cbmv::test {
 

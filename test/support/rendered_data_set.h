@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <string>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/calibration.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
+#include "evaluation/rendered_scene.h"
+#include "io/calibration.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
 
 namespace cbmv {
 

@@ -2,8 +2,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/stereo_scene.h"
+#include "data_sets/stereo_scene.h"
+#include "evaluation/rendered_scene.h"
 
 namespace cbmv {
 

@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <memory>
 
+#include "selection/confidence_features.h"
+#include "selection/selection_features.h"
 #include "support/random_forest.h"
 #include "support/selection_reference.h"
-
-#include "cbmv_stereo/selection/confidence_features.h"
-#include "cbmv_stereo/selection/selection_features.h"
 
 namespace cbmv::test {
 

@@ -9,9 +9,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "cbmv_stereo/selection/confidence_features.h"
-#include "cbmv_stereo/selection/confident_neighbors.h"
-#include "cbmv_stereo/selection/map_planes.h"
+#include "selection/confidence_features.h"
+#include "selection/confident_neighbors.h"
+#include "selection/map_planes.h"
 
 // What the second forest looks at, pixel by pixel, straight from the planes.
 namespace cbmv::test {

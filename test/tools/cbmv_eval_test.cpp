@@ -9,14 +9,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "evaluation/json_report.h"
+#include "evaluation/rendered_scene.h"
+#include "io/pfm.h"
 #include "support/file_content.h"
 #include "support/rendered_data_set.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/evaluation/json_report.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv::test {
 namespace {

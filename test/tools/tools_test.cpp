@@ -9,20 +9,20 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluation/disparity_error.h"
+#include "evaluation/rendered_scene.h"
+#include "forest/forest_file.h"
+#include "io/camera_yaml.h"
+#include "io/image_file.h"
+#include "io/pfm.h"
+#include "io/ply.h"
+#include "search/range_finder.h"
 #include "support/file_content.h"
 #include "support/rendered_data_set.h"
 #include "support/run_tool.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/camera_yaml.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/io/ply.h"
-#include "cbmv_stereo/pipeline/parameters.h"
-#include "cbmv_stereo/search/range_finder.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/booster.h"
+#include "training/booster.h"
 
 #include <cmath>
 #include <cstdint>

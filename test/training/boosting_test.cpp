@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/boosting.h"
+#include "training/boosting.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/cross_validation.h"
+#include "training/cross_validation.h"
 
 #include <filesystem>
 #include <memory>
@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "io/image_file.h"
+#include "io/pfm.h"
 #include "support/error_text.h"
 #include "support/rendered_stereo_scene.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/pfm.h"
 
 namespace cbmv {
 namespace {

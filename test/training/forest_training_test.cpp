@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/forest_training.h"
+#include "training/forest_training.h"
 
 #include <string>
 #include <vector>
@@ -7,11 +7,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "forest/forest_file.h"
 #include "support/error_text.h"
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/forest/forest_file.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/held_out_measures.h"
+#include "training/held_out_measures.h"
 
 #include <algorithm>
 #include <cmath>

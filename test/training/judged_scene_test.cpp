@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/judged_scene.h"
+#include "training/judged_scene.h"
 
 #include <cmath>
 #include <limits>
@@ -11,8 +11,7 @@
 
 #include "support/judged_maps.h"
 #include "support/second_forest.h"
-
-#include "cbmv_stereo/training/sampling.h"
+#include "training/sampling.h"
 
 namespace cbmv::test {
 namespace {

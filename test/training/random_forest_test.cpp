@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/random_forest.h"
+#include "training/random_forest.h"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +10,13 @@
 #include <tbb/global_control.h>
 #include <xgboost/c_api.h>
 
+#include "forest/forest_file.h"
+#include "forest/tree_walker.h"
 #include "support/checkerboard_samples.h"
 #include "support/random_forest.h"
 #include "support/temporary_folder.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/forest/tree_walker.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/sample_file.h"
+#include "training/sample_file.h"
 
 #include <fstream>
 #include <sstream>
@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "confidence/feature_names.h"
 #include "support/checkerboard_samples.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/confidence/feature_names.h"
 #include "cbmv_stereo/error.h"
 
 namespace cbmv::test {

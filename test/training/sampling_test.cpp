@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/sampling.h"
+#include "training/sampling.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,10 +6,9 @@
 
 #include <tbb/global_control.h>
 
+#include "confidence/row_features.h"
 #include "support/random_images.h"
-
-#include "cbmv_stereo/confidence/row_features.h"
-#include "cbmv_stereo/optimization/coarse_volume.h"
+#include "volume/coarse_volume.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/training/second_forest.h"
+#include "training/second_forest.h"
 
 #include <limits>
 #include <memory>
@@ -9,14 +9,14 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "forest/forest_file.h"
+#include "selection/confidence_features.h"
+#include "selection/selection_features.h"
 #include "support/random_images.h"
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/stereo_matcher.h"
-#include "cbmv_stereo/selection/confidence_features.h"
-#include "cbmv_stereo/selection/selection_features.h"
+#include "cbmv_stereo/stereo_matcher.h"
 
 namespace cbmv::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/parameter_space.h"
+#include "tuning/parameter_space.h"
 
 #include <random>
 

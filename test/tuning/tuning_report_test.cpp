@@ -1,4 +1,4 @@
-#include "cbmv_stereo/tuning/tuning_report.h"
+#include "tuning/tuning_report.h"
 
 #include <filesystem>
 #include <sstream>
@@ -8,7 +8,7 @@
 #include "support/error_text.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

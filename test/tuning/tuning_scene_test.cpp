@@ -1,17 +1,16 @@
-#include "cbmv_stereo/tuning/tuning_scene.h"
+#include "tuning/tuning_scene.h"
 
 #include <map>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "evaluation/disparity_source.h"
+#include "evaluation/scene_score.h"
 #include "support/error_text.h"
 #include "support/random_forest.h"
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
-
-#include "cbmv_stereo/evaluation/disparity_source.h"
-#include "cbmv_stereo/evaluation/scene_score.h"
 
 namespace cbmv {
 namespace {

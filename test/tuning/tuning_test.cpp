@@ -1,16 +1,16 @@
-#include "cbmv_stereo/tuning/tuning.h"
+#include "tuning/tuning.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "evaluation/folds.h"
+#include "forest/forest_file.h"
 #include "support/error_text.h"
 #include "support/rendered_data_set.h"
 #include "support/temporary_folder.h"
 
-#include "cbmv_stereo/evaluation/folds.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/pipeline/parameters.h"
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {

@@ -1,14 +1,13 @@
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "volume/volume_builder.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "confidence/row_features.h"
 #include "support/matching_reference.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/simd_targets.h"
-
-#include "cbmv_stereo/confidence/row_features.h"
 
 namespace cbmv::test {
 namespace {

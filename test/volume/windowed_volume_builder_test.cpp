@@ -1,4 +1,4 @@
-#include "cbmv_stereo/volume/windowed_volume_builder.h"
+#include "volume/windowed_volume_builder.h"
 
 #include <algorithm>
 #include <array>
@@ -9,13 +9,12 @@
 
 #include <tbb/global_control.h>
 
+#include "confidence/features.h"
+#include "matching/matcher_set.h"
 #include "support/matching_reference.h"
 #include "support/random_forest.h"
 #include "support/random_search_space.h"
-
-#include "cbmv_stereo/confidence/features.h"
-#include "cbmv_stereo/matching/matcher_set.h"
-#include "cbmv_stereo/volume/volume_builder.h"
+#include "volume/volume_builder.h"
 
 namespace cbmv::test {
 namespace {

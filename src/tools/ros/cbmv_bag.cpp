@@ -13,18 +13,18 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
-#include "../program_files.h"
-#include "../progress_bar.h"
-#include "../range_checks.h"
-#include "../run_tool.h"
-#include "../stereo_arguments.h"
+#include "forest/forest_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
 #include "offline/bag_check.h"
 #include "offline/conversion.h"
+#include "tools/program_files.h"
+#include "tools/progress_bar.h"
+#include "tools/range_checks.h"
+#include "tools/run_tool.h"
+#include "tools/stereo_arguments.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/forest/forest_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
 
 namespace cbmv {
 namespace {
@@ -125,7 +125,7 @@ int convert(Arguments& arguments) {
   options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
                     : arguments.resume  ? EarlierParts::kResume
                                         : EarlierParts::kRefuse;
-  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
+  const auto forest = loadForest(forestFile(arguments.forest));
   ConversionSummary summary;
   {
     ProgressBar bar(stderr, isTerminal(stderr));
@@ -152,7 +152,7 @@ int convert(Arguments& arguments) {
 int check(Arguments& arguments) {
   arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
   requireWritableJson(arguments);
-  const auto forest = std::make_shared<const Forest>(readForest(forestFile(arguments.forest)));
+  const auto forest = loadForest(forestFile(arguments.forest));
   const BagCheck found = checkBags(arguments.conversion, forest);
   std::fputs(found.text.c_str(), stdout);
   for (const std::string& problem : found.problems) {

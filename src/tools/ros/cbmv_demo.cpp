@@ -13,21 +13,22 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
-#include "../range_checks.h"
-#include "../run_tool.h"
-#include "raw_demo.h"
+#include "data_sets/visible_in_both.h"
+#include "evaluation/disparity_error.h"
+#include "evaluation/rendered_scene.h"
+#include "io/calibration.h"
+#include "io/image_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
+#include "io/pfm.h"
+#include "io/ply.h"
+#include "io/preview.h"
 #include "ros/conversions.h"
+#include "tools/range_checks.h"
+#include "tools/ros/raw_demo.h"
+#include "tools/run_tool.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/evaluation/disparity_error.h"
-#include "cbmv_stereo/evaluation/rendered_scene.h"
-#include "cbmv_stereo/io/calibration.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
-#include "cbmv_stereo/io/pfm.h"
-#include "cbmv_stereo/io/ply.h"
-#include "cbmv_stereo/io/preview.h"
 #include <cbmv_stereo/Status.h>
 
 namespace cbmv {

@@ -1,4 +1,4 @@
-#include "raw_demo.h"
+#include "tools/ros/raw_demo.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -13,12 +13,12 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include "io/image_file.h"
+#include "io/other_file.h"
+#include "io/output_check.h"
 #include "ros/conversions.h"
 
 #include "cbmv_stereo/error.h"
-#include "cbmv_stereo/io/image_file.h"
-#include "cbmv_stereo/io/other_file.h"
-#include "cbmv_stereo/io/output_check.h"
 #include <cbmv_stereo/Rectification.h>
 
 namespace cbmv {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "../rig_calibration.h"
+#include "tools/rig_calibration.h"
 
 namespace cbmv {
 

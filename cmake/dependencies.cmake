@@ -1,0 +1,52 @@
+# What is needed to build, part by part. package.xml has what ROS users need for core and node.
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+find_package(Eigen3 REQUIRED)
+find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
+find_package(nlohmann_json REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(Threads REQUIRED)
+# AVX-512 with byte permutations has to be asked for. Highway avoids its emulated vectors, for machines
+# without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
+# products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
+set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
+find_package(TBB QUIET)
+if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
+  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h REQUIRED)
+  find_library(TBB_LIBRARY tbb REQUIRED)
+  add_library(TBB::tbb UNKNOWN IMPORTED)
+  set_target_properties(TBB::tbb PROPERTIES IMPORTED_LOCATION ${TBB_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${TBB_INCLUDE_DIR})
+endif()
+
+# Tools
+find_package(CLI11 QUIET)
+cbmv_decide(CBMV_WITH_TOOLS CBMV_BUILD_TOOLS "command-line programs" CLI11_FOUND libcli11-dev)
+
+# Training. Debian's CMake files for XGBoost want its program too, which is of no use here.
+find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
+find_library(XGBOOST_LIBRARY xgboost)
+find_package(NLopt QUIET)
+cbmv_decide(CBMV_WITH_TRAINING CBMV_BUILD_TRAINING "cbmv_eval, cbmv_train and cbmv_tune"
+            CBMV_WITH_TOOLS libcli11-dev XGBOOST_LIBRARY libxgboost-dev NLopt_FOUND libnlopt-cxx-dev)
+if(CBMV_WITH_TRAINING)
+  add_library(xgboost_c_api UNKNOWN IMPORTED)
+  set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
+endif()
+
+# Tests: catkin and CTest say whether they are wanted. They run the tools and the training.
+find_package(GTest QUIET)
+find_library(GMOCK_LIBRARY gmock)
+set(tests_wanted OFF)
+if((CATKIN_ENABLE_TESTING OR BUILD_TESTING) AND NOT CBMV_BUILD_FUZZERS)
+  set(tests_wanted AUTO)
+endif()
+if(tests_wanted)
+  cbmv_decide(CBMV_WITH_TESTS tests_wanted "tests" CBMV_WITH_TRAINING "what training needs" GTest_FOUND libgtest-dev
+              GMOCK_LIBRARY libgmock-dev)
+endif()
+
+find_package(benchmark QUIET)
+cbmv_decide(CBMV_WITH_BENCHMARKS CBMV_DEVELOPER "benchmarks" CBMV_WITH_TOOLS libcli11-dev benchmark_FOUND
+            libbenchmark-dev)

@@ -1,0 +1,48 @@
+# Which parts are built. Core and node always are. AUTO: a part is built where what it needs is found.
+# cbmv_list_parts says at the end of configuring what is left out, and what would bring it.
+option(CBMV_BUILD_ROS "Build messages, nodelets and node (needs catkin)" ON)
+option(CBMV_MESSAGES_ONLY "Build the message definitions and nothing else" OFF)
+option(CBMV_DEVELOPER "Build the benchmarks, too" OFF)
+option(CBMV_BUILD_FUZZERS "Build the fuzzers (target `fuzzers`, needs clang) instead of the tests" OFF)
+set(CBMV_BUILD_TOOLS AUTO CACHE STRING
+    "Command-line programs: AUTO (where CLI11 is found), ON (CLI11 is fetched where it is missing) or OFF")
+set(CBMV_BUILD_TRAINING AUTO CACHE STRING
+    "cbmv_eval, cbmv_train and cbmv_tune: AUTO (where XGBoost and NLopt are found), ON or OFF")
+set_property(CACHE CBMV_BUILD_TOOLS CBMV_BUILD_TRAINING PROPERTY STRINGS AUTO ON OFF)
+
+set(CBMV_LEFT_OUT)
+
+# Sets `result` to whether a part is built. `choice` names its option; the rest are pairs of a variable
+# that tells whether something is there, and the Debian package that brings it.
+function(cbmv_decide result choice description)
+  set(missing)
+  set(needs ${ARGN})
+  while(needs)
+    list(GET needs 0 found)
+    list(GET needs 1 package)
+    list(REMOVE_AT needs 0 1)
+    if(NOT ${found})
+      list(APPEND missing ${package})
+    endif()
+  endwhile()
+  string(REPLACE ";" ", " missing "${missing}")
+  set(built ON)
+  if("${${choice}}" STREQUAL "AUTO" AND missing)
+    set(built OFF)
+    list(APPEND CBMV_LEFT_OUT "${description}: install ${missing}")
+  elseif(NOT "${${choice}}" STREQUAL "AUTO" AND NOT ${choice})
+    set(built OFF)
+    list(APPEND CBMV_LEFT_OUT "${description}: give -D${choice}=ON")
+  elseif(missing)
+    message(FATAL_ERROR "${choice} is ${${choice}}, but its dependencies are missing. "
+                        "Install ${missing}, or give -D${choice}=OFF.")
+  endif()
+  set(${result} ${built} PARENT_SCOPE)
+  set(CBMV_LEFT_OUT ${CBMV_LEFT_OUT} PARENT_SCOPE)
+endfunction()
+
+function(cbmv_list_parts)
+  foreach(part ${CBMV_LEFT_OUT})
+    message(STATUS "Not built: ${part}")
+  endforeach()
+endfunction()

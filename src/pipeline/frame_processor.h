@@ -1,0 +1,140 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "forest/forest.h"
+#include "input/stereo_input.h"
+#include "rectification/offset_source.h"
+#include "search/range_source.h"
+
+#include "cbmv_stereo/stereo_matcher.h"
+
+namespace cbmv {
+
+class ThreadLimit;
+
+/// A pair that only waits for the matcher.
+struct PreparedPair {
+  GrayPair images;
+  StereoGeometry geometry;  ///< all 0 without cameras
+  InputNames names;
+  std::vector<std::string> warnings;  ///< of input and calibration
+};
+
+/// What comes of one pair.
+struct ProcessedFrame {
+  cv::Mat left_gray;        ///< CV_8UC1; may share the memory of the input
+  StereoGeometry geometry;  ///< all 0 without cameras
+  StereoResult result;
+  bool range_is_automatic = false;  ///< result.range was found in the images
+  double disparity_step_px = 0;     ///< see disparityStep
+  RectificationState rectification;
+  std::vector<std::string> warnings;  ///< of input and calibration
+  std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
+};
+
+/// The one path from a pair and its calibration to disparities and geometry: node, bag tool and
+/// command line call it. Calibrations, range and memory are checked when the calibration, the size
+/// of the images or the options change.
+class FrameProcessor {
+ public:
+  /// Throws Error if the options are inconsistent.
+  FrameProcessor(std::shared_ptr<const Forest> forest, const StereoOptions& options);
+
+  ~FrameProcessor();
+  FrameProcessor(const FrameProcessor&) = delete;
+  FrameProcessor& operator=(const FrameProcessor&) = delete;
+
+  /// From the next pair on; may be called while a pair is processed. The options have to be
+  /// consistent (correctOptions).
+  void setOptions(const StereoOptions& options);
+
+  /// From the next pair on, pixels of a lower confidence, in [0, 1], have no disparity. The
+  /// confidence itself stays. May be called while a pair is processed.
+  void setMinConfidence(float min_confidence) { min_confidence_ = min_confidence; }
+
+  /// Everything before matching; by several threads at once. Throws InputError that names the input
+  /// if the images or the calibration cannot be used.
+  PreparedPair prepare(const StereoInput& input) const;
+
+  /// The disparities that the pair is matched over if an automatic range is its own; by several
+  /// threads at once. Throws InputError if none fits the images.
+  DisparityRange rangeOf(const PreparedPair& pair) const;
+
+  /// The vertical offset that is corrected, from the pair by itself, with the options of the
+  /// constructor or of the newest setOptions; by several threads at once. Throws InputError if no
+  /// disparity fits the images.
+  VerticalOffset estimateOffset(const PreparedPair& pair) const;
+
+  /// The same as it is measured, however small.
+  VerticalOffsetMeasurement measureOffset(const PreparedPair& pair) const;
+
+  /// One pair at a time. An automatic range is the pair's own. Throws InputError if the images are
+  /// too large, or no disparity fits them.
+  ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset);
+
+  /// The same, but `ranges` tells an automatic range.
+  ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset, RangeSource& ranges);
+
+ private:
+  using Check = std::shared_ptr<const CalibrationCheck>;
+  struct CheckedCameras {
+    StereoCameras cameras;
+    cv::Size image_size;
+    RectifiedBy rectified_by = RectifiedBy::kOthers;
+    Check check;
+  };
+
+  Check checkCameras(const StereoInput& input) const;
+  StereoOptions wantedOptions() const;
+  void takeNewOptions();
+  void adaptTo(const PreparedPair& pair, RangeSource& ranges);
+  void setOptionsFor(cv::Size image_size, const StereoOptions& wanted,
+                     const std::string& image_name);
+
+  StereoMatcher matcher_;
+  OwnRange own_range_;
+  bool range_is_automatic_ = false;
+  std::unique_ptr<ThreadLimit> threads_;  ///< of the search for the range
+  std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
+  DisparityRange adapted_range_;          ///< before it is clipped
+  std::string range_correction_;
+  std::atomic<float> min_confidence_{0};
+
+  mutable std::mutex options_mutex_;  ///< of the next two
+  StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
+  bool options_are_new_ = false;
+
+  mutable std::mutex checked_mutex_;
+  mutable CheckedCameras checked_;  ///< the newest
+};
+
+/// Smallest step between two disparities that `options` can give, in pixels: 1 if they are whole
+/// pixels, else the spacing of float at the largest disparity of `range`.
+double disparityStep(const DisparityRange& range, const RefinementOptions& options);
+
+/// "0 ... 63 px" for people.
+std::string describeRange(const DisparityRange& range);
+
+/// The disparities of `range`, which is not automatic, that have a match in images of that width.
+/// Throws InputError if there are none.
+DisparityRange clipRange(const DisparityRange& range, int image_width);
+
+/// The disparities that a pair is matched over by itself: found where `wanted` is automatic, and
+/// clipped to the images. Throws InputError if none fits them.
+DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted);
+
+/// The options `wanted`, whose range is not automatic, with the range clipped to images of that
+/// size. Throws InputError if the images cannot be matched so: no disparity fits, or they need more
+/// memory than max_memory_mb or the machine has. `image_name` begins the text.
+StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
+                         const std::string& image_name);
+
+}  // namespace cbmv

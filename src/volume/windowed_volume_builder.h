@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "base/search_space.h"
+#include "forest/forest_evaluator.h"
+
+namespace cbmv {
+
+/// Builds the matching volume of a pair over a search space, as VolumeBuilder does over the whole
+/// range: costs, features and forest of the hypotheses of the space alone, which are also the only
+/// competitors in both matching directions. Each thread has its own buffers, kept from frame to
+/// frame.
+class WindowedVolumeBuilder {
+ public:
+  WindowedVolumeBuilder();
+  ~WindowedVolumeBuilder();
+  WindowedVolumeBuilder(const WindowedVolumeBuilder&) = delete;
+  WindowedVolumeBuilder& operator=(const WindowedVolumeBuilder&) = delete;
+
+  /// `left` and `right` are CV_8UC1 of the size of the space. Hypotheses whose match lies outside
+  /// of the right image, and columns beyond the image, hold kOutsideCost. With an exhaustive space
+  /// the costs are those of VolumeBuilder. Parallel over rows by oneTBB.
+  void build(const cv::Mat& left, const cv::Mat& right, const SearchSpace& space,
+             const Forest& forest, const ForestEvaluator& evaluator,
+             WindowedMatchingVolume& volume);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cbmv
