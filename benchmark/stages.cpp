@@ -235,9 +235,10 @@ void StageData::refine() {
   windowedWinnersAcross(space, optimized, across_rows, right_winners);
   leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
                  labels);
-  cv::Mat filled = disparity.clone();
-  fillOcclusions(labels, range, filled);
-  fillMismatches(labels, range, filled);
+  cv::Mat without_occlusions = disparity.clone();
+  fillOcclusions(labels, range, without_occlusions);
+  cv::Mat filled = without_occlusions.clone();
+  fillMismatches(labels, range, without_occlusions, filled);
   medianFilter(filled, range, options.refinement.median_size_px, padded, refined);
   if (forest->confidence != nullptr) {
     selector = std::make_unique<MapSelector>(forest);
@@ -370,7 +371,7 @@ std::vector<Stage> refinementStages() {
           {"fill_mismatches", Unit::kPixels, 13, 0,
            [](StageData& s) {
              s.disparity.copyTo(s.map);
-             fillMismatches(s.labels, s.range, s.map);
+             fillMismatches(s.labels, s.range, s.disparity, s.map);
            },
            addMap},
           {"median", Unit::kPixels, 8, 0,

@@ -42,20 +42,18 @@ HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> countFrom(D tag, hwy::HWY_NAMESPACE::TFrom
   return hn::Add(hn::Iota(tag, 0), hn::Set(tag, first));
 }
 
-/// Lanes of which only the first `count` are looked at. Those behind them are read, too, where that
-/// is cheapest; another thread may be writing them, which does no harm, but ThreadSanitizer names
-/// it.
+/// The first `count` lanes, all if there are fewer; the others are 0. The memory behind is not
+/// read: another thread may be writing it. Of vectors up to a cache line.
 template <class D>
 HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> loadFirst(D tag, const hwy::HWY_NAMESPACE::TFromD<D>* values,
-                                                [[maybe_unused]] int count) {
+                                                int count) {
   namespace hn = hwy::HWY_NAMESPACE;
-#ifdef __SANITIZE_THREAD__
+  if (count >= static_cast<int>(hn::Lanes(tag))) {
+    return hn::LoadU(tag, values);
+  }
   HWY_ALIGN hn::TFromD<D> lanes[64 / sizeof(hn::TFromD<D>)] = {};
   hn::SafeCopyN(count, tag, values, lanes);
   return hn::Load(tag, lanes);
-#else
-  return hn::LoadU(tag, values);
-#endif
 }
 
 /// Stores the first `count` lanes, all if there are fewer, none if it is not positive, and leaves

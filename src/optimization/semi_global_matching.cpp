@@ -37,7 +37,7 @@ using PathVector = hn::Vec<PathTag>;
 /// What becomes of the costs of a path in the sums.
 enum class Accumulation { kSet, kAdd, kAddAndAverage };
 
-/// Of the first `count` lanes.
+/// Of the first `count` lanes; no sum behind them is read.
 template <Accumulation accumulation>
 HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, const std::uint16_t* sums, int count) {
   const SumTag tag;
@@ -94,7 +94,9 @@ HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalt
     lowest = hn::Min(lowest, cost);
     hn::Store(cost, tag, current + h);
     const int rest = disparities - h;
-    storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h, rest), rest, sums + h);
+    // Behind the last column may lie sums that another thread works on.
+    const int readable = column + 1 < pixels.columns ? lanes : rest;
+    storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h, readable), rest, sums + h);
   }
   return hn::MinOfLanes(tag, lowest);
 }

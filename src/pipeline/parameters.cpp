@@ -12,6 +12,7 @@
 
 #include "optimization/semi_global_matching.h"
 #include "optimization/sgm_penalties.h"
+#include "refinement/bilateral_filter.h"
 
 #include "cbmv_stereo/error.h"
 
@@ -198,7 +199,7 @@ void addRefinementParameters(ParameterTable& table) {
       "median_size", "px", 1, 5, [](Options& o) -> int& { return o.refinement.median_size_px; },
       "Window of the median filter, odd; 1 switches it off");
   table.add(
-      "bilateral_sigma", "px", 0, 10,
+      "bilateral_sigma", "px", 0, kMaxBilateralSigmaPx,
       [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
       "Width of the bilateral filter; 0 switches it off");
   table.add(

@@ -1,12 +1,12 @@
 #include "refinement/bilateral_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -112,19 +112,23 @@ namespace {
 
 HWY_EXPORT(filterBoth);
 
-/// Of either axis, by distance: a Gaussian is separable.
-std::vector<float> gaussian(float sigma_px, int radius) {
-  std::vector<float> weights;
+constexpr int kMaxRadius = static_cast<int>(3 * kMaxBilateralSigmaPx);
+using Weights = std::array<float, kMaxRadius + 1>;
+
+/// Of either axis, by distance up to the radius: a Gaussian is separable.
+Weights gaussian(float sigma_px, int radius) {
+  Weights weights{};
   for (int offset = 0; offset <= radius; ++offset) {
-    weights.push_back(std::exp(-static_cast<float>(offset * offset) / (2 * sigma_px * sigma_px)));
+    weights[offset] = std::exp(-static_cast<float>(offset * offset) / (2 * sigma_px * sigma_px));
   }
   return weights;
 }
 
 void checkOptions(float sigma_px, float threshold_px) {
-  if (!(sigma_px >= 0)) {
+  if (!(sigma_px >= 0 && sigma_px <= kMaxBilateralSigmaPx)) {
     throw Error("The sigma of the bilateral filter is " + std::to_string(sigma_px) +
-                " px; it must be 0 (no filter) or positive.");
+                " px, expected a number from 0 (no filter) to " +
+                std::to_string(kMaxBilateralSigmaPx) + ".");
   }
   if (!(threshold_px > 0)) {
     throw Error("The threshold of the bilateral filter is " + std::to_string(threshold_px) +
@@ -144,7 +148,7 @@ void bilateralFilter(const cv::Mat& disparity, const DisparityRange& range, floa
   }
   filtered.create(disparity.size(), CV_32FC1);
   const int radius = static_cast<int>(std::ceil(3 * sigma_px));
-  const std::vector<float> weights = gaussian(sigma_px, radius);
+  const Weights weights = gaussian(sigma_px, radius);
   padded.create(disparity.rows, disparity.cols + 2 * radius + kLongestVector, CV_32FC1);
   tbb::parallel_for(0, disparity.rows, [&](int y) {
     auto* row = padded.ptr<float>(y);

@@ -54,7 +54,8 @@ void DisparityRefiner::replaceUnmatched(const DisparityRange& range,
     fillOcclusions(maps.labels, range, maps.disparity);
   }
   if (options.fill_mismatches) {
-    fillMismatches(maps.labels, range, maps.disparity);
+    maps.disparity.copyTo(filtered_);
+    fillMismatches(maps.labels, range, filtered_, maps.disparity);
   }
 }
 

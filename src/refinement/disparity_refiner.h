@@ -26,8 +26,8 @@ class DisparityRefiner {
               const RefinedMaps& maps);
 
  private:
-  static void replaceUnmatched(const DisparityRange& range, const RefinementOptions& options,
-                               const RefinedMaps& maps);
+  void replaceUnmatched(const DisparityRange& range, const RefinementOptions& options,
+                        const RefinedMaps& maps);
 
   cv::Mat filtered_;
   cv::Mat median_padded_;

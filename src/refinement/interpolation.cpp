@@ -41,11 +41,12 @@ struct Ray {
 };
 using Rays = std::array<Ray, kDirections>;
 
-/// The maps that mismatches are filled in, row by row.
+/// The maps that mismatches are filled from and in, row by row.
 struct Maps {
   cv::Size size;
   const std::uint8_t* labels;
-  float* disparity;
+  const float* disparity;
+  float* filled;
   float without_match;
 };
 
@@ -83,13 +84,8 @@ namespace HWY_NAMESPACE {
 namespace {
 
 /// Rays are walked so many steps before anything is asked: walks are short, and a processor that
-/// guesses wrongly which step is the last waits longer than for all of these. Pixels are read that
-/// other threads may be writing, but not used; ThreadSanitizer names that.
-#ifdef __SANITIZE_THREAD__
-constexpr int kStride = 1 << 20;  // beyond any image
-#else
+/// guesses wrongly which step is the last waits longer than for all of these.
 constexpr int kStride = 8;
-#endif
 
 /// Which of the neighbouring pixels have the label?
 template <class D>
@@ -192,7 +188,7 @@ HWY_INLINE void fillVector(D tag, const Maps& maps, const cv::Point& start, cons
   const auto median = eighthOf(tag, nearest);
   hn::Store(hn::IfThenElse(hn::IsInf(median), hn::Set(tag, maps.without_match), median), tag,
             nearest);
-  forEachOf(tag, mismatches, [&](int lane) { maps.disparity[first + lane] = nearest[lane]; });
+  forEachOf(tag, mismatches, [&](int lane) { maps.filled[first + lane] = nearest[lane]; });
 }
 
 void fillMismatchesOfRow(const Maps& maps, int y, const Rays& rays) {
@@ -275,13 +271,15 @@ void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat&
                     [&](int y) { fillOcclusionsOfRow(labels, y, range.invalid(), disparity); });
 }
 
-void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
+void fillMismatches(const cv::Mat& labels, const DisparityRange& range, const cv::Mat& disparity,
+                    cv::Mat& filled) {
   checkMaps(labels, disparity);
-  CV_Assert(labels.isContinuous() && disparity.isContinuous());
+  checkMaps(labels, filled);
+  CV_Assert(labels.isContinuous() && disparity.isContinuous() && filled.isContinuous());
+  CV_Assert(disparity.data != filled.data);
   const Rays rays = makeRays();
   const Maps maps{labels.size(), labels.ptr<std::uint8_t>(), disparity.ptr<float>(),
-                  range.invalid()};
-  // Rows can be filled in parallel: only matches are used, and they are never written.
+                  filled.ptr<float>(), range.invalid()};
   tbb::parallel_for(0, labels.rows, [&](int y) {
     HWY_DYNAMIC_DISPATCH(fillMismatchesOfRow)(maps, y, rays);
   });

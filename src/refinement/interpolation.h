@@ -23,8 +23,10 @@ void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat&
 /// count. The lower of the two middle values when their number is even; range.invalid() when there
 /// is none.
 ///
-/// Only pixels that `labels` calls kMatch count; only those that it calls kMismatch are written.
-/// Both maps are continuous in memory, sides below 2^15 px. Parallel over rows by oneTBB.
-void fillMismatches(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity);
+/// Only pixels that `labels` calls kMatch count. `filled` (CV_32FC1) is changed at those that it
+/// calls kMismatch; it shares no memory with `disparity`, since rows are filled in parallel (by
+/// oneTBB). All maps have one size, sides below 2^15 px, and are continuous in memory.
+void fillMismatches(const cv::Mat& labels, const DisparityRange& range, const cv::Mat& disparity,
+                    cv::Mat& filled);
 
 }  // namespace cbmv

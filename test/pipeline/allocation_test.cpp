@@ -12,9 +12,11 @@
 
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <tbb/task_arena.h>
 
 #include "forest/forest_file.h"
 #include "pipeline/disparity_estimator.h"
+#include "refinement/bilateral_filter.h"
 #include "support/random_forest.h"
 #include "support/random_images.h"
 #include "support/second_forest.h"
@@ -29,12 +31,14 @@ namespace {
 /// that the method works on, is larger.
 constexpr std::size_t kLargeBytes = 1088;
 
+std::atomic<int> blocks{0};
 std::atomic<int> large_blocks{0};
 std::atomic<long> bytes_in_use{0};
 
 void* counted(void* block) {
   const std::size_t bytes = malloc_usable_size(block);
   bytes_in_use += static_cast<long>(bytes);
+  ++blocks;
   if (bytes >= kLargeBytes) {
     ++large_blocks;
   }
@@ -155,6 +159,21 @@ TEST_P(Allocations, AreNoneFromTheSecondFrameOn) {
     EXPECT_EQ(blocksOfFrame(pairs[frame % 3]), 0) << "frame " << frame;
   }
   EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
+}
+
+/// Small blocks, too: one call in one thread takes nothing from oneTBB.
+TEST(BilateralFilterAllocations, AreNoneFromTheSecondCallOn) {
+  const cv::Mat disparity(kSize, CV_32FC1, cv::Scalar(7));
+  cv::Mat padded;
+  cv::Mat filtered;
+  const auto filter = [&] { bilateralFilter(disparity, {0, 40}, 2.2F, 1.3F, padded, filtered); };
+  tbb::task_arena(1).execute([&] {
+    filter();
+    filter();
+    const int before = blocks;
+    filter();
+    EXPECT_EQ(blocks - before, 0);
+  });
 }
 
 /// Large enough for the surfaces to be found at half the size first.
