@@ -2,10 +2,17 @@
 # runs and that what it times is right.
 option(CBMV_BUILD_BENCHMARKS "Build the benchmarks (needs Google Benchmark)" ON)
 find_package(benchmark QUIET)
+include(CheckCXXSourceCompiles)
 if(NOT CBMV_BUILD_BENCHMARKS OR NOT benchmark_FOUND)
   message(STATUS "cbmv_benchmark is not built")
   return()
 endif()
+
+# Google Benchmark before 1.6 cannot add lines to the head of its output.
+set(CMAKE_REQUIRED_LIBRARIES benchmark::benchmark)
+check_cxx_source_compiles("#include <benchmark/benchmark.h>
+int main() { benchmark::AddCustomContext(\"key\", \"value\"); }" CBMV_BENCHMARK_HAS_CONTEXT)
+unset(CMAKE_REQUIRED_LIBRARIES)
 
 file(GLOB benchmark_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/benchmark/*.cpp)
 add_executable(cbmv_benchmark EXCLUDE_FROM_ALL ${benchmark_sources})
@@ -13,7 +20,7 @@ add_executable(cbmv_benchmark EXCLUDE_FROM_ALL ${benchmark_sources})
 target_include_directories(cbmv_benchmark PRIVATE ${PROJECT_SOURCE_DIR}/benchmark
                            ${PROJECT_SOURCE_DIR}/test)
 target_compile_definitions(cbmv_benchmark PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                           ${CBMV_HIGHWAY_OPTIONS})
+                           ${CBMV_HIGHWAY_OPTIONS} $<$<BOOL:${CBMV_BENCHMARK_HAS_CONTEXT}>:CBMV_BENCHMARK_CONTEXT>)
 target_link_libraries(cbmv_benchmark PRIVATE cbmv cbmv_tool_support hwy::hwy TBB::tbb benchmark::benchmark
                       CLI11::CLI11)
 if(CBMV_BUILD_TESTS)

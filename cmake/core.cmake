@@ -1,7 +1,7 @@
 # The ROS-free library `cbmv`: every folder of src but training, tuning, ros and tools.
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
-find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
+cbmv_find_highway()
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
@@ -10,10 +10,16 @@ find_package(Threads REQUIRED)
 # without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
 # products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
 set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 11)
+  list(APPEND CBMV_HIGHWAY_OPTIONS HWY_DISABLED_TARGETS=HWY_AVX3_DL)  # it asks for avxvnni, too
+endif()
 find_package(TBB QUIET)
 if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
-  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h REQUIRED)
-  find_library(TBB_LIBRARY tbb REQUIRED)
+  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h)
+  find_library(TBB_LIBRARY tbb)
+  if(NOT TBB_INCLUDE_DIR OR NOT TBB_LIBRARY)
+    message(FATAL_ERROR "TBB is missing: install libtbb-dev")
+  endif()
   add_library(TBB::tbb UNKNOWN IMPORTED)
   set_target_properties(TBB::tbb PROPERTIES IMPORTED_LOCATION ${TBB_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${TBB_INCLUDE_DIR})

@@ -34,7 +34,7 @@ target_link_libraries(cbmv_offline
   PRIVATE nlohmann_json::nlohmann_json TBB::tbb)
 
 # Command-line programs that read and write bags.
-find_package(CLI11 REQUIRED)
+cbmv_find_cli11()
 file(GLOB ros_tool_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/ros/cbmv_*.cpp)
 set(CBMV_ROS_TOOLS)
 foreach(tool_source ${ros_tool_sources})

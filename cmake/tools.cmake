@@ -1,6 +1,6 @@
 # Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the core, with what the programs
 # share (the other files there), and with the training where it trains.
-find_package(CLI11 REQUIRED)
+cbmv_find_cli11()
 
 file(GLOB tool_support_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/*.cpp)
 list(FILTER tool_support_sources EXCLUDE REGEX "/cbmv_[^/]*$")

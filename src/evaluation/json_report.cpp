@@ -8,10 +8,9 @@
 #include <iterator>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "../io/binary_file.h"
 #include "../io/bounded_json.h"
+#include "../io/ordered_json.h"
 
 #include "cbmv_stereo/error.h"
 #include "cbmv_stereo/evaluation/confidence_summary.h"
@@ -20,7 +19,7 @@
 namespace cbmv {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 constexpr std::uintmax_t kLargestFile = 64 << 20;
 constexpr int kVersion = 2;  ///< 1, which is not written: without sums

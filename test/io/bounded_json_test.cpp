@@ -1,4 +1,5 @@
 #include "../src/io/bounded_json.h"
+#include "../src/io/ordered_json.h"
 
 #include <string>
 
@@ -7,7 +8,7 @@
 namespace cbmv {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 using Event = nlohmann::json::parse_event_t;
 
 std::string brackets(int depth) { return std::string(depth, '[') + std::string(depth, ']'); }

@@ -1,0 +1,15 @@
+# GoogleTest and GoogleMock: `cbmv_gtest`, and `cbmv_gtest_main` with a main function. By their files: the
+# names of CMake's own targets differ by its version, and catkin makes targets of these names.
+find_package(Threads REQUIRED)
+find_path(CBMV_GMOCK_INCLUDE_DIR gmock/gmock.h)
+foreach(library gtest gmock gtest_main)
+  find_library(CBMV_${library}_LIBRARY ${library})
+  if(NOT CBMV_GMOCK_INCLUDE_DIR OR NOT CBMV_${library}_LIBRARY)
+    message(FATAL_ERROR "GoogleTest is missing: install libgtest-dev and libgmock-dev, or build without tests")
+  endif()
+endforeach()
+add_library(cbmv_gtest INTERFACE)
+target_include_directories(cbmv_gtest SYSTEM INTERFACE ${CBMV_GMOCK_INCLUDE_DIR})
+target_link_libraries(cbmv_gtest INTERFACE ${CBMV_gmock_LIBRARY} ${CBMV_gtest_LIBRARY} Threads::Threads)
+add_library(cbmv_gtest_main INTERFACE)
+target_link_libraries(cbmv_gtest_main INTERFACE ${CBMV_gtest_main_LIBRARY} cbmv_gtest)
