@@ -290,8 +290,10 @@ void runBenchmarks() {
   addMachine();
   addStages(context);
   addMethods(context);
+#ifdef CBMV_BENCHMARK_CONTEXT
   benchmark::AddCustomContext("pair", pairSource());
   benchmark::AddCustomContext("simd", hwy::TargetName(realSimdTargets().front()));
+#endif
   benchmark::RunSpecifiedBenchmarks();
 }
 

@@ -1,7 +1,12 @@
 # What is needed to build, part by part. package.xml has what ROS users need for core and node.
+include(cmake/fetch.cmake)
+
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
 find_package(Eigen3 REQUIRED)
-find_package(hwy REQUIRED)  # Highway: SIMD for the best instruction set of the machine, at run time
+find_package(hwy 1.0.3 QUIET)
+if(NOT hwy_FOUND)
+  cbmv_fetch_highway()
+endif()
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
@@ -10,17 +15,27 @@ find_package(Threads REQUIRED)
 # without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
 # products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
 set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 11)
+  list(APPEND CBMV_HIGHWAY_OPTIONS HWY_DISABLED_TARGETS=HWY_AVX3_DL)  # it asks for avxvnni, too
+endif()
 find_package(TBB QUIET)
 if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
-  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h REQUIRED)
-  find_library(TBB_LIBRARY tbb REQUIRED)
+  find_path(TBB_INCLUDE_DIR tbb/parallel_for.h)
+  find_library(TBB_LIBRARY tbb)
+  if(NOT TBB_INCLUDE_DIR OR NOT TBB_LIBRARY)
+    message(FATAL_ERROR "TBB is missing: install libtbb-dev")
+  endif()
   add_library(TBB::tbb UNKNOWN IMPORTED)
   set_target_properties(TBB::tbb PROPERTIES IMPORTED_LOCATION ${TBB_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${TBB_INCLUDE_DIR})
 endif()
 
 # Tools
-find_package(CLI11 QUIET)
+find_package(CLI11 2.1 QUIET)
+if(NOT CLI11_FOUND AND NOT CBMV_BUILD_TOOLS STREQUAL "AUTO" AND CBMV_BUILD_TOOLS)
+  cbmv_fetch_cli11()
+  set(CLI11_FOUND ON)
+endif()
 cbmv_decide(CBMV_WITH_TOOLS CBMV_BUILD_TOOLS "command-line programs" CLI11_FOUND libcli11-dev)
 
 # Training. Debian's CMake files for XGBoost want its program too, which is of no use here.
@@ -35,16 +50,20 @@ if(CBMV_WITH_TRAINING)
                         INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
 endif()
 
-# Tests: catkin and CTest say whether they are wanted. They run the tools and the training.
-find_package(GTest QUIET)
-find_library(GMOCK_LIBRARY gmock)
+# Tests: catkin and CTest say whether they are wanted. They run the tools and the training. GoogleTest by
+# its files: the names of CMake's own targets differ by its version, and catkin makes targets of these
+# names.
+find_path(CBMV_GMOCK_INCLUDE_DIR gmock/gmock.h)
+foreach(library gtest gmock gtest_main)
+  find_library(CBMV_${library}_LIBRARY ${library})
+endforeach()
 set(tests_wanted OFF)
 if((CATKIN_ENABLE_TESTING OR BUILD_TESTING) AND NOT CBMV_BUILD_FUZZERS)
   set(tests_wanted AUTO)
 endif()
 if(tests_wanted)
-  cbmv_decide(CBMV_WITH_TESTS tests_wanted "tests" CBMV_WITH_TRAINING "what training needs" GTest_FOUND libgtest-dev
-              GMOCK_LIBRARY libgmock-dev)
+  cbmv_decide(CBMV_WITH_TESTS tests_wanted "tests" CBMV_WITH_TRAINING "what training needs" CBMV_gtest_main_LIBRARY
+              libgtest-dev CBMV_gmock_LIBRARY libgmock-dev)
 endif()
 
 find_package(benchmark QUIET)

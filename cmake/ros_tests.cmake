@@ -7,7 +7,7 @@ find_package(depth_image_proc QUIET)  # a consumer of depth
 
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
-  target_link_libraries(${target} PRIVATE cbmv_ros cbmv_evaluation ${image_geometry_LIBRARIES} GTest::gtest)
+  target_link_libraries(${target} PRIVATE cbmv_ros cbmv_evaluation ${image_geometry_LIBRARIES} cbmv_gtest)
   add_dependencies(tests ${target})
 endfunction()
 
@@ -16,7 +16,7 @@ foreach(test_source ${ros_test_sources})
   get_filename_component(test_name ${test_source} NAME_WE)
   add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
   cbmv_link_ros_test(${test_name})
-  target_link_libraries(${test_name} PRIVATE GTest::gtest_main)
+  target_link_libraries(${test_name} PRIVATE cbmv_gtest_main)
   target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     CBMV_STOCK_LAUNCH_FILE="${stereo_image_proc_PREFIX}/share/stereo_image_proc/launch/stereo_image_proc.launch")
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
@@ -29,7 +29,7 @@ foreach(test_source ${offline_test_sources})
   get_filename_component(test_name ${test_source} NAME_WE)
   add_executable(${test_name} EXCLUDE_FROM_ALL ${test_source})
   cbmv_link_ros_test(${test_name})
-  target_link_libraries(${test_name} PRIVATE cbmv_offline GTest::gtest_main gmock)
+  target_link_libraries(${test_name} PRIVATE cbmv_offline cbmv_gtest_main)
   target_compile_definitions(${test_name} PRIVATE CBMV_TOOLS_DIR="$<TARGET_FILE_DIR:cbmv_bag>"
                              CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_dependencies(${test_name} cbmv_bag)

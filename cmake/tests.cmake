@@ -1,5 +1,6 @@
 # test/STAGE/NAME_test.cpp becomes the program NAME_test and one entry of ctest (an entry a case
 # would load OpenCV a thousand times).
+include(cmake/googletest.cmake)
 enable_testing()
 
 if(NOT TARGET tests)
@@ -13,7 +14,7 @@ foreach(test_source ${test_sources})
   target_include_directories(${test_name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
   target_compile_definitions(${test_name} PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              ${CBMV_HIGHWAY_OPTIONS})
-  target_link_libraries(${test_name} PRIVATE cbmv_evaluation hwy::hwy TBB::tbb GTest::gtest GTest::gtest_main gmock)
+  target_link_libraries(${test_name} PRIVATE cbmv_evaluation hwy::hwy TBB::tbb cbmv_gtest_main)
   if(test_source MATCHES "/test/(training|tuning)/")
     target_link_libraries(${test_name} PRIVATE cbmv_training xgboost_c_api)
   endif()

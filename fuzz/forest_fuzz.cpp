@@ -11,6 +11,7 @@
 #include "fuzz_target.h"
 #include "io/bounded_json.h"
 #include "io/crc32_text.h"
+#include "io/ordered_json.h"
 
 namespace {
 
@@ -50,7 +51,7 @@ void evaluate(const cbmv::ConfidenceForest& forest) {
 /// for one.
 std::string withChecksum(const std::string& text) {
   try {
-    auto json = cbmv::parseBounded<nlohmann::ordered_json>(text);
+    auto json = cbmv::parseBounded<cbmv::OrderedJson>(text);
     if (json.is_object() && json.contains("model")) {
       json["checksum"] = cbmv::crc32Text(json["model"].dump());
       return json.dump();

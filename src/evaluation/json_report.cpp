@@ -8,19 +8,18 @@
 #include <iterator>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "evaluation/confidence_summary.h"
 #include "evaluation/disparity_error.h"
 #include "io/binary_file.h"
 #include "io/bounded_json.h"
+#include "io/ordered_json.h"
 
 #include "cbmv_stereo/error.h"
 
 namespace cbmv {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 constexpr std::uintmax_t kLargestFile = 64 << 20;
 constexpr int kVersion = 2;  ///< 1, which is not written: without sums

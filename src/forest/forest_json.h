@@ -5,13 +5,12 @@
 #include <stdexcept>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "forest/forest.h"
+#include "io/ordered_json.h"
 
 namespace cbmv {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 
 /// What is wrong inside of a file, before its name is known.
 struct Fault : std::runtime_error {

@@ -3,14 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include <tbb/global_control.h>
+#include <unistd.h>
 #include <xgboost/c_api.h>
 
 #include "forest/forest_file.h"
+#include "io/binary_file.h"
+#include "io/bounded_json.h"
+#include "io/ordered_json.h"
 #include "training/training_checks.h"
 
 #include "cbmv_stereo/error.h"
@@ -61,6 +68,30 @@ class TrainingMatrix {
   DMatrixHandle handle_ = nullptr;
 };
 
+/// An empty file that is removed at the end. XGBoost before 1.6 writes its JSON nowhere but to
+/// files.
+class TemporaryModelFile {
+ public:
+  TemporaryModelFile()
+      : path_((std::filesystem::temp_directory_path() / "cbmv_forest_XXXXXX.json").string()) {
+    const int file = mkstemps(path_.data(), 5);
+    if (file < 0) {
+      throw Error(
+          "training: cannot make " + path_ +
+          ", which holds the forest for a moment. Set TMPDIR to a folder that can be written to.");
+    }
+    close(file);
+  }
+  ~TemporaryModelFile() { unlink(path_.c_str()); }
+  TemporaryModelFile(const TemporaryModelFile&) = delete;
+  TemporaryModelFile& operator=(const TemporaryModelFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 /// One round of boosting that grows all trees at once, from the same answer, and takes their mean.
 /// The squared error of labels 0 and 1 is their Gini impurity, halved; its second derivative is 1 a
 /// sample, and without regularization a leaf's value is the mean label. Sums of these derivatives
@@ -93,27 +124,13 @@ class RandomForestGrower {
     call(XGBoosterUpdateOneIter(booster_, 0, matrix.handle()));
   }
 
-  Forest forest() const {
-    bst_ulong size = 0;
-    const char* text = nullptr;
-    call(XGBoosterSaveModelToBuffer(booster_, R"({"format": "json"})", &size, &text));
-    return parseForest(std::string(text, size), "from XGBoost");
-  }
-
-  /// Of all splits, by feature.
-  std::vector<double> gains() const {
-    bst_ulong count = 0;
-    bst_ulong dimensions = 0;
-    const char** names = nullptr;  // "f0", "f1", …: those that are asked for
-    const bst_ulong* shape = nullptr;
-    const float* scores = nullptr;
-    call(XGBoosterFeatureScore(booster_, R"({"importance_type": "total_gain"})", &count, &names,
-                               &dimensions, &shape, &scores));
-    std::vector<double> gains(kFeatureCount, 0.0);
-    for (bst_ulong k = 0; k < count; ++k) {
-      gains.at(std::stoul(names[k] + 1)) = scores[k];
-    }
-    return gains;
+  /// As JSON.
+  std::string model() const {
+    const TemporaryModelFile file;
+    call(XGBoosterSaveModel(booster_, file.path().c_str()));
+    const std::vector<std::uint8_t> bytes =
+        readBytes(file.path(), std::numeric_limits<std::uintmax_t>::max());
+    return {bytes.begin(), bytes.end()};
   }
 
  private:
@@ -123,6 +140,23 @@ class RandomForestGrower {
 
   BoosterHandle booster_ = nullptr;
 };
+
+/// Of all splits of a model of XGBoost, by feature.
+std::vector<double> totalGains(const std::string& model) {
+  const auto json = parseBounded<OrderedJson>(model);
+  std::vector<double> gains(kFeatureCount, 0.0);
+  for (const OrderedJson& tree :
+       json.at("learner").at("gradient_booster").at("model").at("trees")) {
+    const OrderedJson& children = tree.at("left_children");
+    for (std::size_t node = 0; node < children.size(); ++node) {
+      if (children[node] != -1) {  // no leaf
+        gains.at(tree.at("split_indices").at(node).get<std::size_t>()) +=
+            tree.at("loss_changes").at(node).get<double>();
+      }
+    }
+  }
+  return gains;
+}
 
 void checkOptions(const Samples& samples, const RandomForestOptions& options) {
   requireTreeCount(options.trees);
@@ -143,9 +177,10 @@ Forest trainRandomForest(const Samples& samples, const RandomForestOptions& opti
   const TrainingMatrix matrix(samples);
   RandomForestGrower grower(matrix);
   grower.grow(matrix, options, seed);
-  Forest forest = grower.forest();
+  const std::string model = grower.model();
+  Forest forest = parseForest(model, "from XGBoost");
   forest.provenance.samples = samples.count();
-  forest.provenance.feature_importance = shares(grower.gains());
+  forest.provenance.feature_importance = shares(totalGains(model));
   return forest;
 }
 

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "io/ordered_json.h"
+
 namespace cbmv {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = OrderedJson;
 using Event = nlohmann::json::parse_event_t;
 
 std::string brackets(int depth) { return std::string(depth, '[') + std::string(depth, ']'); }

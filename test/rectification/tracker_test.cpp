@@ -194,12 +194,21 @@ TEST(RectificationTracker, ServesSeveralThreads) {
   EXPECT_EQ(wrong, 0);
 }
 
+/// mallinfo counts in an int, and is deprecated where there is mallinfo2.
+std::size_t allocatedBytes() {
+#if __GLIBC_PREREQ(2, 33)
+  return mallinfo2().uordblks;
+#else
+  return static_cast<unsigned>(mallinfo().uordblks);
+#endif
+}
+
 /// The least of a while, in which the worker gives the last pair back.
 std::size_t bytesInUse() {
-  std::size_t least = mallinfo2().uordblks;
+  std::size_t least = allocatedBytes();
   for (int i = 0; i < 250; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    least = std::min(least, mallinfo2().uordblks);
+    least = std::min(least, allocatedBytes());
   }
   return least;
 }
@@ -244,7 +253,7 @@ void limitAddressSpace(double more_mb) {
 
 /// Where there is no room for the stack of a thread, the stream goes on; estimates come later.
 TEST(RectificationTrackerDeathTest, NeedsNoThreadToGoOn) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // no stacks of threads that have gone
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";  // no stacks of threads that have gone
   const auto run = [] {
     const RenderedScene scene = sceneWithOffset(0.8);
     RectificationTracker tracker({});

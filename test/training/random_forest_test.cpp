@@ -170,15 +170,10 @@ class XgboostModel {
   }
 
   std::vector<float> predictions() const {
-    const bst_ulong* shape = nullptr;
-    bst_ulong dimensions = 0;
+    bst_ulong count = 0;
     const float* result = nullptr;
-    const char* config =
-        R"({"type": 0, "training": false, "iteration_begin": 0, "iteration_end": 0,
-            "strict_shape": false})";
-    EXPECT_EQ(XGBoosterPredictFromDMatrix(booster_, matrix_, config, &shape, &dimensions, &result),
-              0);
-    return {result, result + shape[0]};
+    EXPECT_EQ(XGBoosterPredict(booster_, matrix_, 0, 0, 0, &count, &result), 0);
+    return {result, result + count};
   }
 
  private:
