@@ -11,7 +11,7 @@ namespace cbmv {
 /// matchers can share one.
 struct Forest;
 
-/// Reads a forest's file, about 0.1 s. Throws Error that names the file and what is wrong: not
+/// Reads the file of a forest. Throws Error that names the file and what is wrong: not
 /// there, not a forest, another version, damaged, out of range.
 CBMV_API std::shared_ptr<const Forest> loadForest(const std::string& path);
 

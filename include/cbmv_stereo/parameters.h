@@ -31,6 +31,9 @@ struct Parameter {
   std::function<void(StereoOptions&, const ParameterValue&)> set;
 };
 
+/// What the parameter does, with its unit in brackets.
+CBMV_API std::string describe(const Parameter& parameter);
+
 /// All parameters, in the order of the data flow.
 CBMV_API std::vector<Parameter> stereoParameters();
 

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "optimization/cross_based_aggregation.h"
-#include "optimization/edge_images.h"
+#include "optimization/edge_maps.h"
 
 #include "cbmv_stereo/options.h"
 

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "base/search_space.h"
-#include "optimization/edge_images.h"
+#include "optimization/edge_maps.h"
 #include "optimization/sgm_penalties.h"
 
 #include "cbmv_stereo/disparity_range.h"

@@ -93,61 +93,62 @@ using Options = StereoOptions;
 void addMatchingParameters(ParameterTable& table) {
   table.add(
       "min_disparity", "px", -2048, 2048, [](Options& o) -> int& { return o.range.min; },
-      "Lowest disparity that is tested; negative for toed-in cameras");
+      "Lowest disparity of the range; negative for toed-in cameras");
   table.add(
       "disparity_range", "px", 0, 4096, [](Options& o) -> int& { return o.range.count; },
-      "Number of disparities that are tested, from min_disparity on; 0: found in the images");
+      "Number of disparities, from min_disparity on; 0: found in the images");
   table.add(
       "max_memory_mb", "MB", 0, 100000, [](Options& o) -> int& { return o.max_memory_mb; },
-      "Memory that a pair may need; pairs that need more are rejected; 0: no bound");
+      "Pairs that need more memory are rejected; 0: no limit");
   table.add(
       "search_levels", "", 0, 6, [](Options& o) -> int& { return o.search.levels; },
-      "Coarse-to-fine search: how often the pair is halved; only the smallest one is searched "
-      "over the whole range. 0: exhaustive search");
+      "Coarse-to-fine search: number of halvings of the images. Only the smallest pair is "
+      "searched over the whole range. 0: exhaustive search");
   table.add(
       "search_neighborhood", "px", 0, 8,
       [](Options& o) -> int& { return o.search.neighborhood_px; },
-      "Coarse-to-fine search: coarse pixels around a pixel whose disparities are tried");
+      "Coarse-to-fine search: radius, in coarse pixels, from which a pixel takes candidate "
+      "disparities");
   table.add(
       "search_margin", "px", 0, 16, [](Options& o) -> int& { return o.search.margin_px; },
-      "Coarse-to-fine search: and disparities so far from these");
+      "Coarse-to-fine search: disparities that are added on both sides of each candidate");
   table.add(
       "refine_rectification", "", 0, 1, [](Options& o) -> bool& { return o.rectification.enabled; },
-      "Estimate and remove the vertical offset that is left between the images");
+      "Estimate and correct the residual vertical offset between the images");
   table.add(
       "rectification_max_offset", "px", 0.5, 16,
       [](Options& o) -> double& { return o.rectification.max_offset_px; },
-      "Largest vertical offset that is looked for");
+      "Largest vertical offset that is searched");
   table.add(
       "rectification_interval", "s", 0, 3600,
       [](Options& o) -> double& { return o.rectification.interval_s; },
-      "Time between two estimates of the vertical offset on a stream");
+      "Time between two estimates of the vertical offset in a stream");
 }
 
 void addOptimizationParameters(ParameterTable& table) {
   table.add(
       "cbca_arm_length", "px", 1, 64,
       [](Options& o) -> int& { return o.aggregation.arm_length_px; },
-      "L1: arms of the support crosses hold fewer pixels than this");
+      "L1: the arms of the support regions are shorter than this");
   table.add(
       "cbca_intensity_threshold", "standard deviations", 0, 10,
       [](Options& o) -> float& { return o.aggregation.intensity_threshold; },
-      "tau1: an arm ends where the intensity departs by this from the centre's");
+      "tau1: an arm ends where the intensity differs from that of the center by this");
   table.add(
       "cbca_iterations_before", "", 0, 16,
       [](Options& o) -> int& { return o.aggregation.iterations_before; },
-      "Runs of cost aggregation before semi-global matching");
+      "Iterations of cost aggregation before semi-global matching");
   table.add(
       "cbca_iterations_after", "", 0, 16,
       [](Options& o) -> int& { return o.aggregation.iterations_after; },
-      "Runs of cost aggregation after semi-global matching");
+      "Iterations of cost aggregation after semi-global matching");
   table.add(
       "surface_prior", "", 0, 1, [](Options& o) -> bool& { return o.surface.enabled; },
-      "Match at half the size first and let semi-global matching follow the slanted surfaces that "
-      "this finds");
+      "Match at half the size first; semi-global matching then follows the slanted surfaces found "
+      "there");
   table.add(
       "surface_reach", "px", 2, 500, [](Options& o) -> float& { return o.surface.reach_px; },
-      "Distance over which planes are fitted to find the surfaces");
+      "Standard deviation of the distances over which a surface is fitted");
   table.add(
       "P1", "", 0, 60, [](Options& o) -> float& { return o.sgm.p1; },
       "Penalty of a disparity step of one pixel; matching costs are in [0, 1]");
@@ -166,60 +167,60 @@ void addOptimizationParameters(ParameterTable& table) {
   table.add(
       "sgm_tau_so", "standard deviations", 0, 10,
       [](Options& o) -> float& { return o.sgm.edge_threshold; },
-      "Intensity step between neighbours that counts as an edge");
+      "Smallest intensity step between neighbors that is an edge");
   table.add(
       "sgm_iterations", "", 0, 4, [](Options& o) -> int& { return o.sgm.iterations; },
-      "Runs of semi-global matching, each on the mean of the run before; 0 skips it");
+      "Iterations of semi-global matching, each on the result of the one before; 0: off");
 }
 
 void addRefinementParameters(ParameterTable& table) {
   table.add(
       "left_right_check", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.left_right_check; },
-      "Match the right view too and find occlusions and mismatches");
+      "Match the right view too, and find occlusions and mismatches by the left-right consistency "
+      "check");
   table.add(
       "optimize_right_view", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.optimize_right_view; },
-      "For the check, optimize the right view's volume too, which doubles the time of the "
-      "optimization; else take its winners from the left view's optimized volume");
+      "Run semi-global matching on the right view, too, for the check; this doubles its time. "
+      "Off: the right view takes its disparities from the left cost volume");
   table.add(
       "left_right_max_difference", "px", 0, 16,
       [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },
-      "Up to this difference both views agree");
+      "Largest difference of both views that passes the left-right check");
   table.add(
       "fill_occlusions", "", 0, 1, [](Options& o) -> bool& { return o.refinement.fill_occlusions; },
-      "Fill occlusions from the background; else they are invalid");
+      "Fill occlusions from the background; off: they are invalid");
   table.add(
       "fill_mismatches", "", 0, 1, [](Options& o) -> bool& { return o.refinement.fill_mismatches; },
-      "Fill mismatches from their neighbours; else they are invalid");
+      "Fill mismatches from their neighbors; off: they are invalid");
   table.add(
       "subpixel", "", 0, 1, [](Options& o) -> bool& { return o.refinement.subpixel; },
       "Refine whole-pixel disparities by a parabola through the costs");
   table.add(
       "median_size", "px", 1, 5, [](Options& o) -> int& { return o.refinement.median_size_px; },
-      "Window of the median filter, odd; 1 switches it off");
+      "Side of the window of the median filter, odd; 1: off");
   table.add(
       "bilateral_sigma", "px", 0, kMaxBilateralSigmaPx,
       [](Options& o) -> float& { return o.refinement.bilateral_sigma_px; },
-      "Width of the bilateral filter; 0 switches it off");
+      "Standard deviation of the bilateral filter; 0: off");
   table.add(
       "bilateral_threshold", "px", 0.01, 16,
       [](Options& o) -> float& { return o.refinement.bilateral_threshold_px; },
-      "Disparities that differ by this from the centre's do not count in the filter");
+      "The bilateral filter ignores disparities that differ from that of the center by this or "
+      "more");
   table.add(
       "second_forest", "", 0, 1, [](Options& o) -> bool& { return o.refinement.second_forest; },
-      "Calibrated confidence and its standard deviation; needs a forest file that holds a second "
-      "forest");
+      "Calibrated confidence and standard deviation; needs a forest file with a second forest");
   table.add(
       "replace_improbable", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.replace_improbable; },
-      "Replace improbable disparities on which both views disagree by those of confident "
-      "neighbors, "
-      "where the second forest finds these more probable; needs second_forest");
+      "Replace disparities that fail the left-right check and have a low confidence by those of "
+      "confident neighbors; needs second_forest");
   table.add(
       "speckle_size", "px", 0, 1000,
       [](Options& o) -> int& { return o.refinement.speckle_size_px; },
-      "Regions of at most so many pixels become invalid; 0 switches the filter off");
+      "Regions of up to this many pixels become invalid; 0: off");
   table.add(
       "speckle_range", "px", 0, 31,
       [](Options& o) -> int& { return o.refinement.speckle_range_px; },
@@ -248,6 +249,10 @@ void requirePresetFile(const std::string& path) {
 }
 
 }  // namespace
+
+std::string describe(const Parameter& parameter) {
+  return parameter.description + (parameter.unit.empty() ? "" : " (" + parameter.unit + ")");
+}
 
 std::vector<Parameter> stereoParameters() {
   ParameterTable table;

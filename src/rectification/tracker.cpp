@@ -39,6 +39,11 @@ RectificationTracker::Measurement RectificationTracker::measurement() const {
   return measurement_;
 }
 
+void RectificationTracker::waitForEstimate() const {
+  std::unique_lock<std::mutex> lock(mutex_);
+  finished_.wait(lock, [this] { return !is_running_; });
+}
+
 void RectificationTracker::reset() {
   const std::lock_guard<std::mutex> lock(mutex_);
   resetLocked();
@@ -84,6 +89,7 @@ void RectificationTracker::finish(const Measurement& measurement, int generation
     measurement_ = measurement;
     blend(toCorrection(measurement, size_, options_));
   }
+  finished_.notify_all();
 }
 
 void RectificationTracker::blend(const VerticalOffset& estimate) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 
@@ -39,6 +40,9 @@ class RectificationTracker {
   };
   Measurement measurement() const;
 
+  /// Waits until no estimate is under way.
+  void waitForEstimate() const;
+
   /// Back to the zero model; the estimate under way is dropped, the next pair starts one.
   void reset();
 
@@ -57,7 +61,8 @@ class RectificationTracker {
   void blend(const VerticalOffset& estimate);
 
   const RectificationOptions options_;
-  mutable std::mutex mutex_;  ///< guards all below
+  mutable std::mutex mutex_;                  ///< guards all below
+  mutable std::condition_variable finished_;  ///< an estimate
   bool is_running_ = false;
   bool has_started_ = false;
   double last_start_s_ = 0.0;

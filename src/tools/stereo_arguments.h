@@ -19,22 +19,38 @@ struct StereoArguments {
   std::optional<int> disparities, min_disparity, max_memory_mb, threads;
 };
 
+/// An option that sets a parameter: with its description and default, and of whole numbers its
+/// range.
+template <typename Value>
+CLI::Option* addParameterOption(CLI::App& app, const std::string& option, const std::string& name,
+                                Value& value) {
+  const Parameter parameter = findParameter(name);
+  return app.add_option(option, value,
+                        describe(parameter) + "; default " + valueText(parameter.default_value));
+}
+
+/// The check of a whole number against the parameter's range.
+inline CLI::Validator rangeOf(const std::string& name) {
+  const Parameter parameter = findParameter(name);
+  return wholeNumber(static_cast<int>(parameter.lowest), static_cast<int>(parameter.highest));
+}
+
 inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
   app.add_option("--preset", arguments.preset,
                  kPresetHelp + std::string("; the options win over it"));
-  app.add_option("--disparities", arguments.disparities,
-                 "Number of disparities, px; auto: found in each pair; default 64")
-      ->transform(disparityCount());
-  app.add_option("--min-disparity", arguments.min_disparity, "Lowest disparity, px; default 0")
-      ->check(wholeNumber(-2048, 2048));
-  app.add_option("--max-memory-mb", arguments.max_memory_mb,
-                 "Refuse images for which the matcher needs more; 0, the default: no bound")
-      ->check(wholeNumber(0, 100000));
+  CLI::Option* disparities =
+      addParameterOption(app, "--disparities", "disparity_range", arguments.disparities)
+          ->transform(disparityCount());
+  disparities->description(disparities->get_description() + "; auto: the same as 0");
+  addParameterOption(app, "--min-disparity", "min_disparity", arguments.min_disparity)
+      ->check(rangeOf("min_disparity"));
+  addParameterOption(app, "--max-memory-mb", "max_memory_mb", arguments.max_memory_mb)
+      ->check(rangeOf("max_memory_mb"));
   app.add_option("--threads", arguments.threads, "0, the default: as many as the machine has")
       ->check(wholeNumber(0, 1024));
 }
 
-/// Preset and options, mended where they are inconsistent, which is said on stderr.
+/// Preset and options. Inconsistent values are corrected; stderr says how.
 inline StereoOptions readStereoOptions(const StereoArguments& arguments, const char* tool) {
   StereoOptions options;
   if (!arguments.preset.empty()) {

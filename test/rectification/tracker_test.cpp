@@ -142,12 +142,14 @@ TEST(RectificationTracker, ResetsOnRequestOnOtherSizesAndWhenTheClockJumpsBack) 
 TEST(RectificationTracker, AnEstimateFromBeforeAResetIsDropped) {
   const RenderedScene scene = sceneWithOffset(0.8);
   const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));
-  RectificationTracker tracker({});
-  tracker.update(scene.left, scene.right, kRange, 0.0);
-  tracker.reset();
-  for (int i = 0; i < 100; ++i) {
-    ASSERT_EQ(tracker.update(grey, grey, kRange, 0.0).matches, 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (const bool reset : {false, true}) {
+    RectificationTracker tracker({});
+    tracker.update(scene.left, scene.right, kRange, 0.0);
+    if (reset) {
+      tracker.reset();
+    }
+    tracker.waitForEstimate();
+    EXPECT_EQ(tracker.update(grey, grey, kRange, 0.0).matches == 0, reset);
   }
 }
 
@@ -156,10 +158,9 @@ TEST(RectificationTracker, DisabledItNeverCorrects) {
   RectificationOptions options;
   options.enabled = false;
   RectificationTracker tracker(options);
-  for (int i = 0; i < 50; ++i) {
-    ASSERT_EQ(tracker.update(scene.left, scene.right, kRange, i).matches, 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  tracker.update(scene.left, scene.right, kRange, 0.0);
+  tracker.waitForEstimate();
+  EXPECT_EQ(tracker.update(scene.left, scene.right, kRange, 10.0).matches, 0);
 }
 
 TEST(RectificationTracker, RefusesOtherImages) {
@@ -192,6 +193,12 @@ TEST(RectificationTracker, ServesSeveralThreads) {
     thread.join();
   }
   EXPECT_EQ(wrong, 0);
+  // The last reset leaves a tracker that works.
+  tracker.reset();
+  tracker.waitForEstimate();
+  tracker.update(scene.left, scene.right, kRange, 0.0);
+  tracker.waitForEstimate();
+  EXPECT_NEAR(tracker.update(scene.left, scene.right, kRange, 0.0).offset_px, 0.8, 0.05);
 }
 
 /// mallinfo counts in an int, and is deprecated where there is mallinfo2.

@@ -55,9 +55,14 @@ TEST(StereoConfig, IsTheTableOfParameters) {
   }
 }
 
-TEST(StereoConfig, DescribesEveryParameter) {
+TEST(StereoConfig, DescribesEveryParameterAsTheTableDoes) {
+  std::map<std::string, std::string> descriptions;
   for (const auto& description : StereoConfig::__getParamDescriptions__()) {
     EXPECT_FALSE(description->description.empty()) << description->name;
+    descriptions[description->name] = description->description;
+  }
+  for (const Parameter& parameter : stereoParameters()) {
+    EXPECT_EQ(descriptions[parameter.name], describe(parameter));
   }
 }
 

@@ -1,10 +1,8 @@
 // Run by worker_threads.test: a nodelet that matches all the time, and another one, in a manager
 // with one worker thread.
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdio>
-#include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +16,7 @@ namespace {
 
 const cv::Size kBusySize(800, 600);  // takes a second and more
 const cv::Size kLightSize(31, 22);
+constexpr std::size_t kFrames = 3;
 
 stereo_msgs::DisparityImage makeDisparity(const std_msgs::Header& header) {
   stereo_msgs::DisparityImage message;
@@ -43,8 +42,8 @@ class WorkerThreads : public testing::Test {
            light_disparity_.getNumSubscribers() > 0;
   }
 
-  /// Seconds until the light nodelet has answered; while the other one always has the next frame.
-  double answerTime() {
+  /// Until the light nodelet has answered; the other one always has the next frame.
+  void waitForAnswer() {
     busy_.publish(makeMessages(busy_pair_, {}, ros::Time::now()));
     const PairMessages sent = makeMessages(light_pair_, {}, ros::Time::now());
     light_.publishInfos(sent);
@@ -52,16 +51,6 @@ class WorkerThreads : public testing::Test {
     light_disparity_.publish(makeDisparity(sent.left_image->header));
     const ros::Time stamp = sent.left_image->header.stamp;
     EXPECT_TRUE(waitFor([&] { return cloud_.has(stamp); }, 60)) << "no answer at all";
-    return (ros::Time::now() - stamp).toSec();
-  }
-
-  /// Of the fastest frame, s.
-  double frameTime() const {
-    double fastest_ms = std::numeric_limits<double>::infinity();
-    status_.forEach([&](const cbmv_stereo::Status& status) {
-      fastest_ms = std::min(fastest_ms, status.total_ms);
-    });
-    return fastest_ms / 1000;
   }
 
   ros::NodeHandle nh_;
@@ -77,19 +66,14 @@ class WorkerThreads : public testing::Test {
 
 TEST_F(WorkerThreads, AreFreeWhileAFrameIsMatched) {
   ASSERT_TRUE(waitFor([&] { return allIsWanted(); }, 30));
-  std::vector<double> answers_s;
-  while (status_.count() < 3 && answers_s.size() < 5000) {
-    answers_s.push_back(answerTime());
-    wait(0.02);
+  std::size_t answers = 0;
+  while (status_.count() < kFrames && answers < 100 * kFrames) {
+    waitForAnswer();
+    ++answers;
   }
-  ASSERT_GE(status_.count(), 3U);
-  std::sort(answers_s.begin(), answers_s.end());
-  std::printf("a frame takes %.2f s; %zu answers, median %.4f s, slowest %.4f s\n", frameTime(),
-              answers_s.size(), answers_s[answers_s.size() / 2], answers_s.back());
-  // Were a frame matched in the worker thread, an answer would wait for the whole of it.
-  ASSERT_GT(frameTime(), 0.5) << "too fast to tell";
-  EXPECT_LT(answers_s.back(), frameTime() / 2);
-  EXPECT_GE(answers_s.size(), 20U);
+  std::printf("%zu answers during %zu frames\n", answers, status_.count());
+  // Were a frame matched in the worker thread, an answer would wait for the end of it.
+  EXPECT_GE(answers, 5 * kFrames);
 }
 
 }  // namespace

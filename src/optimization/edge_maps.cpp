@@ -1,0 +1,49 @@
+#include "optimization/edge_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include <tbb/parallel_for.h>
+
+namespace cbmv {
+namespace {
+
+/// Whether each of `count` pixels differs from the one `distance` before it by at least
+/// `lowest_step` grey levels.
+void markSteps(const std::uint8_t* pixels, std::ptrdiff_t distance, int count, int lowest_step,
+               std::uint8_t* edges) {
+  const std::uint8_t* neighbours = pixels - distance;
+  for (int x = 0; x < count; ++x) {
+    const int step = std::abs(pixels[x] - neighbours[x]);
+    edges[x] = static_cast<std::uint8_t>(step >= lowest_step ? 1 : 0);
+  }
+}
+
+}  // namespace
+
+void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges) {
+  const cv::Size size(grey.cols + 1, grey.rows + 1);
+  edges.horizontal.create(size, CV_8UC1);
+  edges.vertical.create(size, CV_8UC1);
+  // A whole number reaches the threshold exactly when it reaches the threshold rounded up.
+  const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+  const auto stride = static_cast<std::ptrdiff_t>(grey.step1());
+  tbb::parallel_for(0, size.height, [&](int y) {
+    auto* horizontal = edges.horizontal.ptr<std::uint8_t>(y);
+    auto* vertical = edges.vertical.ptr<std::uint8_t>(y);
+    std::fill_n(horizontal, size.width, std::uint8_t{0});
+    std::fill_n(vertical, size.width, std::uint8_t{0});
+    if (y < grey.rows) {
+      const auto* pixels = grey.ptr<std::uint8_t>(y);
+      markSteps(pixels + 1, 1, grey.cols - 1, lowest_step, horizontal + 1);
+      if (y > 0) {
+        markSteps(pixels, stride, grey.cols, lowest_step, vertical);
+      }
+    }
+  });
+}
+
+}  // namespace cbmv
