@@ -10,27 +10,27 @@
 
 namespace cbmv {
 
-/// One calibrated camera, with the fields and conventions of sensor_msgs/CameraInfo. Matrices are
+/// One calibrated camera. Fields and conventions are those of sensor_msgs/CameraInfo. Matrices are
 /// stored row by row.
 struct CBMV_API CameraCalibration {
   std::string name;
-  int width = 0;                          ///< px, of the whole sensor without binning; 0: unknown
-  int height = 0;                         ///< px, of the whole sensor without binning; 0: unknown
+  int width = 0;                          ///< px, whole sensor without binning; 0: unknown
+  int height = 0;                         ///< px, whole sensor without binning; 0: unknown
   std::array<double, 9> camera_matrix{};  ///< K, px, of the raw image
   std::string distortion_model;           ///< plumb_bob, rational_polynomial or equidistant
-  std::vector<double> distortion;         ///< D, empty or all zero: none
+  std::vector<double> distortion;         ///< D; empty or all zero: no distortion
   std::array<double, 9> rectification{};  ///< R, a rotation
-  /// P, of the rectified image: px, and in the last column px m (−fx · Tx).
+  /// P, of the rectified image: px; the last column is in px m (−fx · Tx).
   std::array<double, 12> projection{};
-  int binning_x = 1;  ///< raw pixels per pixel; 1: none
-  int binning_y = 1;  ///< raw pixels per pixel; 1: none
-  cv::Rect roi;       ///< part of the sensor that the image shows, px of the sensor; empty: all
+  int binning_x = 1;  ///< raw pixels per pixel; 1: no binning
+  int binning_y = 1;  ///< raw pixels per pixel; 1: no binning
+  cv::Rect roi;       ///< part of the sensor in the image, sensor px; empty: all
 
   bool operator==(const CameraCalibration& other) const;
   bool operator!=(const CameraCalibration& other) const { return !(*this == other); }
 };
 
-/// Both cameras of a rig.
+/// The calibrations of both cameras of a rig.
 struct StereoCameras {
   CameraCalibration left;
   CameraCalibration right;

@@ -7,23 +7,23 @@
 
 namespace cbmv {
 
-/// Bad input from outside: a file, a message, a parameter. The text is one sentence that names the
-/// thing, says what is wrong with it and what would be right. Tools print it and exit with status
-/// 2, the node warns and drops the frame.
+/// Invalid input: a file, a message or a parameter. The text says what is wrong (with the file,
+/// topic or value), what was expected, and what to do. Tools print it and exit with status 2. The
+/// node logs a warning and drops the frame.
 class CBMV_API Error : public std::runtime_error {
  public:
   explicit Error(const std::string& sentence) : std::runtime_error(sentence) {}
 };
 
-/// Names of the inputs for messages to people: topics of the node, files of a tool.
+/// Names of the inputs for error messages: topics of the node or files of a tool.
 struct InputNames {
   std::string left_image;
-  std::string left_info;  ///< of the left camera's calibration
+  std::string left_info;  ///< calibration of the left camera
   std::string right_image;
-  std::string right_info;  ///< of the right camera's calibration
+  std::string right_info;  ///< calibration of the right camera
 };
 
-/// What is wrong with a pair of images or its calibration.
+/// The kind of fault of an image pair or its calibration.
 enum class InputFault {
   kEmptyImage,
   kUnsupportedEncoding,
@@ -36,7 +36,7 @@ enum class InputFault {
   kMemory,
 };
 
-/// Input that cannot be used; the text names the topic or file.
+/// Images or calibrations that cannot be used. The text names the topic or file.
 class CBMV_API InputError : public Error {
  public:
   InputError(InputFault fault, const std::string& text) : Error(text), fault_(fault) {}

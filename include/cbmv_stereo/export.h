@@ -1,4 +1,4 @@
 #pragma once
 
-/// Marks what the shared library exports; everything else in it is hidden.
+/// Exports a symbol from the shared library. All other symbols are hidden.
 #define CBMV_API __attribute__((visibility("default")))

@@ -7,12 +7,12 @@
 
 namespace cbmv {
 
-/// A trained forest, and the forests that were trained on its maps. StereoMatcher takes it; several
-/// matchers can share one.
+/// A trained forest, together with the forests that were trained on its maps. StereoMatcher uses
+/// it. Several matchers can share one forest.
 struct Forest;
 
-/// Reads the file of a forest. Throws Error that names the file and what is wrong: not
-/// there, not a forest, another version, damaged, out of range.
+/// Reads a forest file. Throws Error with the name of the file if the file is missing, damaged, no
+/// forest, of another version, or has values out of range.
 CBMV_API std::shared_ptr<const Forest> loadForest(const std::string& path);
 
 }  // namespace cbmv

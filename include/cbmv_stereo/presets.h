@@ -6,12 +6,13 @@
 
 namespace cbmv {
 
-/// The file of a preset that a user gives by its path or by its name: a text with a slash or the
-/// ending .yaml is a path and comes back as it is, else NAME.yaml in `folder`, else a file of this
-/// name here. Throws Error that lists the names in `folder` if there is none.
+/// Finds the file of a preset, given by its path or its name. A text with a slash or the ending
+/// .yaml is a path and is returned unchanged. A name is searched as NAME.yaml in `folder`, then as
+/// a file NAME in the working directory. Throws Error that lists the names in `folder` if there is
+/// none.
 CBMV_API std::string presetPath(const std::string& preset, const std::string& folder);
 
-/// The same for forests: .forest in place of .yaml.
+/// The same for forests, with the ending .forest.
 CBMV_API std::string forestPath(const std::string& forest, const std::string& folder);
 
 }  // namespace cbmv
