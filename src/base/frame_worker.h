@@ -9,16 +9,16 @@
 
 namespace cbmv {
 
-/// One thread that works on the newest frame. A frame that comes while another one waits replaces
-/// it, so submitting never blocks and the age of results does not grow.
+/// Processes frames on one thread, always the newest. A new frame replaces a waiting one, so
+/// submit() never blocks and results do not lag behind.
 template <typename Frame>
 class FrameWorker {
  public:
-  /// `work` is called in the worker's thread and must not throw.
+  /// `work` is called on the thread of the worker and must not throw.
   explicit FrameWorker(std::function<void(const Frame&)> work)
       : work_(std::move(work)), thread_([this] { run(); }) {}
 
-  /// Waits for the frame that is being worked on; a waiting frame is dropped.
+  /// Waits until the current frame is processed. Drops a waiting frame.
   ~FrameWorker() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -30,7 +30,7 @@ class FrameWorker {
   FrameWorker(const FrameWorker&) = delete;
   FrameWorker& operator=(const FrameWorker&) = delete;
 
-  /// Returns true if a frame that was waiting has been replaced.
+  /// Returns true if the frame replaced a waiting one.
   bool submit(Frame frame) {
     bool replaced = false;
     {
@@ -63,7 +63,7 @@ class FrameWorker {
   std::condition_variable changed_;
   std::optional<Frame> waiting_;
   bool stopping_ = false;
-  std::thread thread_;  ///< the last member: starts when the others are there
+  std::thread thread_;  ///< last member: it uses the others from its start
 };
 
 }  // namespace cbmv

@@ -1,5 +1,5 @@
-// Loop over the columns of a row and the end of a row for vector code. Included once per
-// instruction set.
+// Helpers for vector code: loops over the columns of a row, loads and stores at its end. Included
+// once per instruction set.
 #if defined(CBMV_SIMD_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_SIMD_LANES_INL_H
 #undef CBMV_SIMD_LANES_INL_H
@@ -15,10 +15,10 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-/// Calls f(d, x, done) so that the vectors from x on cover the columns [begin, end) and nothing
-/// else. The last vector begins early enough to end at `end`: its first `done` lanes were in a call
-/// before, which makes no difference to an f that only writes what it computes. In spans narrower
-/// than a vector, d has fewer lanes: the largest power of two that fits.
+/// Calls f(d, x, done) for vectors at x that together cover the columns [begin, end) exactly. The
+/// last vector ends at `end`, so its first `done` lanes overlap the vector before. f must give the
+/// same result when it is called twice for a column. In spans narrower than a vector, d has fewer
+/// lanes: the largest power of two that fits.
 template <class D, class F>
 HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -35,15 +35,16 @@ HWY_INLINE void forLanes(D d, int begin, int end, const F& f) {
   }
 }
 
-/// first, first + 1, …; where `first` is no constant, Iota goes lane by lane through memory.
+/// The lanes are first, first + 1, … If `first` is not a constant, Iota would go lane by lane
+/// through memory.
 template <class D>
 HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> countFrom(D tag, hwy::HWY_NAMESPACE::TFromD<D> first) {
   namespace hn = hwy::HWY_NAMESPACE;
   return hn::Add(hn::Iota(tag, 0), hn::Set(tag, first));
 }
 
-/// The first `count` lanes, all if there are fewer; the others are 0. The memory behind is not
-/// read: another thread may be writing it. Of vectors up to a cache line.
+/// Loads the first `count` lanes, at most all. The other lanes are 0. Memory beyond is not read,
+/// because another thread may write it. For vectors of at most one cache line.
 template <class D>
 HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> loadFirst(D tag, const hwy::HWY_NAMESPACE::TFromD<D>* values,
                                                 int count) {
@@ -56,8 +57,8 @@ HWY_INLINE hwy::HWY_NAMESPACE::Vec<D> loadFirst(D tag, const hwy::HWY_NAMESPACE:
   return hn::Load(tag, lanes);
 }
 
-/// Stores the first `count` lanes, all if there are fewer, none if it is not positive, and leaves
-/// the memory behind alone: it may belong to another thread. Of vectors up to a cache line.
+/// Stores the first `count` lanes, at most all, none if `count` ≤ 0. Memory beyond is not written,
+/// because it may belong to another thread. For vectors of at most one cache line.
 template <class D>
 HWY_INLINE void storeFirst(D tag, hwy::HWY_NAMESPACE::Vec<D> values, int count,
                            hwy::HWY_NAMESPACE::TFromD<D>* out) {

@@ -5,17 +5,17 @@
 
 namespace cbmv {
 
-/// Number of threads that may work on the parallel loops of the calling thread.
+/// Number of threads that may run the parallel loops of the calling thread.
 std::size_t threadCount();
-/// Number of the calling thread among these, in [0, threadCount()); in a parallel loop only.
+/// Index of the calling thread in [0, threadCount()). Only valid in a parallel loop.
 std::size_t threadIndex();
 
-/// Memory for parallel loops, kept from loop to loop: one Buffer for each thread.
+/// One Buffer per thread for parallel loops. Buffers are kept from loop to loop.
 template <typename Buffer>
 class PerThread {
  public:
-  /// Before the loop: calls prepare(buffer) for the buffers of all threads, so that no thread has
-  /// to allocate in the loop, however late it comes.
+  /// Call before the loop: calls prepare(buffer) for the buffers of all threads, so that no thread
+  /// allocates in the loop.
   template <typename Prepare>
   void prepare(const Prepare& prepare) {
     buffers_.resize(threadCount());
@@ -24,7 +24,7 @@ class PerThread {
     }
   }
 
-  /// In the loop: the buffer of the calling thread.
+  /// Call in the loop: the buffer of the calling thread.
   Buffer& local() { return buffers_[threadIndex()]; }
 
  private:

@@ -13,39 +13,39 @@
 
 namespace cbmv {
 
-/// Columns of a tile: neighbouring pixels of a row that share their hypotheses.
+/// Columns per tile: neighboring pixels of a row that share their hypotheses.
 constexpr int kTileColumns = 16;
 
-/// Which disparities are matched where: every tile of a row has an ascending list of them. Tile t
-/// holds the columns 16 t … 16 t + 15; the last one may reach beyond the image. An exhaustive
-/// search has the whole range in every tile.
+/// The disparities that are matched at each place of the image. Every tile of a row has an
+/// ascending list of disparities. Tile t has the columns 16 t … 16 t + 15; the last tile may reach
+/// beyond the image. In an exhaustive search, every tile has the whole disparity range.
 ///
 /// The hypotheses of a tile at one disparity are an entry of a WindowedVolume. Entries are numbered
 /// row by row, tile by tile, in the order of the lists.
 class SearchSpace {
  public:
-  /// Indices i of disparities d = range.min + i, ascending.
+  /// The list of a tile: indices i of the disparities d = range.min + i, ascending.
   struct Tile {
     const std::int16_t* indices;
     int count;
-    std::size_t first_entry;  ///< of the volume
+    std::size_t first_entry;  ///< number in the volume
   };
 
-  /// The list of a row, tile by tile, while it is made.
+  /// The lists of a row while they are built, tile by tile.
   class Row {
    public:
-    /// Appends to the list of the tile under way; ascending.
+    /// Appends to the list of the current tile. Indices must ascend.
     void push(int index) { indices_.push_back(static_cast<std::int16_t>(index)); }
     void endTile() { ends_.push_back(static_cast<std::uint32_t>(indices_.size())); }
 
    private:
     friend class SearchSpace;
     std::vector<std::int16_t> indices_;
-    std::vector<std::uint32_t> ends_;  ///< behind each tile's list
+    std::vector<std::uint32_t> ends_;  ///< end of each tile's list
   };
 
-  /// Calls fill(y, row) for every row of the image, which has to end each of tiles() tiles.
-  /// Parallel over rows by oneTBB; memory is kept from frame to frame.
+  /// Calls fill(y, row) for every row of the image. `fill` must end each of the tiles() tiles.
+  /// Parallel over rows by oneTBB. Memory is kept from frame to frame.
   template <typename Fill>
   void build(int height, int width, const DisparityRange& range, const Fill& fill) {
     reset(height, width, range);
@@ -57,15 +57,15 @@ class SearchSpace {
     numberEntries();
   }
 
-  /// Every disparity of the range in every tile.
+  /// Puts the whole disparity range into every tile.
   void buildExhaustive(int height, int width, const DisparityRange& range);
 
   int height() const { return height_; }
   int width() const { return width_; }
-  /// Of a row.
+  /// Tiles per row.
   int tiles() const { return (width_ + kTileColumns - 1) / kTileColumns; }
   const DisparityRange& range() const { return range_; }
-  /// Of all rows.
+  /// Entries of all rows.
   std::size_t entries() const { return entries_; }
 
   Tile tile(int y, int t) const {
@@ -84,22 +84,23 @@ class SearchSpace {
   DisparityRange range_;
   std::size_t entries_ = 0;
   std::vector<Row> rows_;
-  std::vector<std::size_t> first_entries_;  ///< of each row
+  std::vector<std::size_t> first_entries_;  ///< per row
 };
 
-/// One cost for every hypothesis of a search space, laid out [entry][column of the tile]. Costs of
-/// columns beyond the image are unspecified, and so are those of entries that are all outside.
-/// kReadableBytesBeyond the last one are readable.
+/// One cost per hypothesis of a search space, laid out [entry][column of the tile]. Costs of
+/// columns beyond the image are unspecified, and so are the costs of entries whose matches are all
+/// outside of the other image. kReadableBytesBeyond the last cost are readable.
 template <typename Cost>
 class WindowedVolume {
  public:
-  /// Contents are unspecified afterwards. Keeps the memory when the new volume fits; else takes an
-  /// eighth more than it needs, as the next volumes of a stream may be a little larger.
+  /// Contents are unspecified afterwards. Keeps the memory if the new volume fits. Otherwise
+  /// allocates one eighth more than needed, because the next volumes of a stream may be slightly
+  /// larger.
   void resize(const SearchSpace& space) {
     entries_ = space.entries();
     const std::size_t costs = entries_ * kTileColumns + kReadableBytesBeyond / sizeof(Cost);
     if (costs > costs_.capacity()) {
-      costs_ = {};  // first, so that both are never held at once
+      costs_ = {};  // first, so that old and new memory do not exist together
       costs_.reserve(costs + costs / 8);
     }
     costs_.resize(costs);
@@ -113,7 +114,7 @@ class WindowedVolume {
   std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
-/// As MatchingVolume and OptimizedVolume.
+/// Cost types as in MatchingVolume and OptimizedVolume.
 using WindowedMatchingVolume = WindowedVolume<std::uint8_t>;
 using WindowedOptimizedVolume = WindowedVolume<std::uint16_t>;
 

@@ -4,7 +4,7 @@
 
 namespace cbmv {
 
-/// Adds the time from its construction to its destruction.
+/// Adds its lifetime (wall time) to `total_ms`.
 class Stopwatch {
  public:
   explicit Stopwatch(double& total_ms) : total_ms_(total_ms) {}

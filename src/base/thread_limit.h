@@ -6,11 +6,11 @@
 
 namespace cbmv {
 
-/// Bounds the threads of oneTBB that work is done by: those of the task arena that it is called in
-/// where that has as many, else those of an arena of its own.
+/// Limits the number of oneTBB threads. Work runs in the task arena of the caller if it has exactly
+/// this number of threads, otherwise in an arena of its own.
 class ThreadLimit {
  public:
-  /// 0: as many as the machine has.
+  /// 0: all hardware threads.
   explicit ThreadLimit(int threads = 0) { set(threads); }
 
   void set(int threads) {
@@ -24,7 +24,7 @@ class ThreadLimit {
   template <typename Work>
   void run(const Work& work) const {
     if (tbb::this_task_arena::max_concurrency() == arena_->max_concurrency()) {
-      work();  // as many threads are here already
+      work();  // the arena of the caller has this number of threads
     } else {
       arena_->execute(work);
     }

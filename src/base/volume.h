@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-/// Memory that starts at a cache line, as the widest vector registers like it.
+/// Allocates memory that starts at a cache line, which is the alignment of the widest vectors.
 template <typename Value>
 struct CacheLineAllocator {
   using value_type = Value;
@@ -26,13 +26,13 @@ struct CacheLineAllocator {
   friend bool operator!=(const CacheLineAllocator&, const CacheLineAllocator&) { return false; }
 };
 
-/// So much memory behind the last value may be read, though not written: two whole vectors
-/// can be read from any value on.
+/// This many bytes beyond the last value may be read, but not written. So two whole vectors can be
+/// read from any value on.
 constexpr std::size_t kReadableBytesBeyond = 128;
 
-/// Dense array of one cost per hypothesis, laid out [y][x][d]: the costs of a pixel are contiguous.
-/// kReadableBytesBeyond the last one are readable. `resize` keeps the memory when the new volume
-/// fits, so a stream of frames allocates once.
+/// Dense array with one cost per hypothesis, laid out [y][x][d]: the costs of a pixel are
+/// contiguous. kReadableBytesBeyond the last cost are readable. `resize` keeps the memory if the
+/// new volume fits, so a stream of frames allocates once.
 template <typename Cost>
 class Volume {
  public:
@@ -68,13 +68,12 @@ class Volume {
   std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
-/// Matching costs as the forest gives them: 1 − probability, in units of 1/255 (Batsos et al. 2018,
-/// section 3.3). Hypotheses whose match lies outside of the other image hold kOutsideCost.
+/// Matching cost volume, from the forest: 1 − probability, in units of 1/255 (Batsos et al. 2018,
+/// section 3.3). Hypotheses whose match is outside of the other image have kOutsideCost.
 using MatchingVolume = Volume<std::uint8_t>;
 constexpr std::uint8_t kOutsideCost = 255;
 
-/// Costs during aggregation and semi-global matching, same unit (1/255) unless a function says
-/// otherwise.
+/// Cost volume during CBCA and SGM, in the same unit (1/255) unless a function states another one.
 using OptimizedVolume = Volume<std::uint16_t>;
 
 }  // namespace cbmv

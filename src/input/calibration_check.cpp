@@ -10,29 +10,30 @@
 namespace cbmv {
 namespace {
 
-/// In px or m: beyond, products and quotients of such numbers may not fit a float.
+/// Limits in px or m. Products and quotients of larger values may not fit a float.
 constexpr double kLargest = 1e9;
 constexpr double kSmallest = 1e-9;
 
-// What calibrations of one rig may differ by, since files round them.
-constexpr double kSameRatio = 1e-3;   // of focal lengths
-constexpr double kSameRowPx = 0.1;    // of cy
-constexpr double kSameOffset = 0.01;  // of the baseline: Ty, Tz
-constexpr double kZeroRatio = 1e-6;   // of the focal length: entries of P that have to be 0
+// Tolerances between calibrations of one rig, because files round the values.
+constexpr double kSameRatio = 1e-3;   // relative, focal lengths
+constexpr double kSameRowPx = 0.1;    // cy
+constexpr double kSameOffset = 0.01;  // relative to the baseline: Ty, Tz
+constexpr double kZeroRatio = 1e-6;   // relative to the focal length: entries of P that must be 0
 constexpr double kShortestBaselineM = 0.005;
 constexpr double kLongestBaselineM = 5.0;
 
-/// The part of a projection matrix that is used, in pixels of the image as it is sent.
+/// The values used from a projection matrix, in px of the published image.
 struct Projection {
   double fx;
   double fy;
   double cx;
   double cy;
-  double tx_m;  ///< place of the camera on the baseline, to the left of the reference
-  double ty_m;  ///< the same downwards
+  double tx_m;  ///< position of the camera along the baseline, to the left of the reference
+  double ty_m;  ///< the same, downwards
 };
 
-/// P refers to the whole sensor without binning.
+/// P refers to the whole sensor without binning, so binning and region of interest are applied
+/// here.
 Projection toProjection(const CameraCalibration& camera) {
   const auto& p = camera.projection;
   return {p[0] / camera.binning_x,
@@ -47,7 +48,7 @@ std::string entryText(const CameraCalibration& camera, std::size_t index) {
   return join("P[", index, "] = ", camera.projection[index]);
 }
 
-/// Checks one camera by itself.
+/// Checks the calibration of one camera.
 class CameraChecker {
  public:
   CameraChecker(const CameraCalibration& camera, std::string name, std::string image_name,
@@ -77,7 +78,7 @@ class CameraChecker {
 
   void checkSize() {
     if (hasUnknownSize(camera_) && rectified_by_ == RectifiedBy::kFiles) {
-      return;  // formats without a size
+      return;  // some formats have no size
     }
     if (hasUnknownSize(camera_)) {
       warn(join("has no image size (", camera_.width, " x ", camera_.height,
@@ -91,11 +92,11 @@ class CameraChecker {
     }
   }
 
-  /// Whether P can be computed with.
+  /// Returns whether P is usable in computations.
   bool checkProjection() {
     const auto& p = camera_.projection;
     const auto unusable = std::find_if_not(p.begin(), p.end(), [](double value) {
-      return std::abs(value) <= kLargest;  // NaN is not
+      return std::abs(value) <= kLargest;  // false for NaN
     });
     if (unusable == p.end() && p[0] >= kSmallest && p[5] >= kSmallest) {
       return true;
@@ -153,7 +154,8 @@ class CameraChecker {
     }
   }
 
-  /// image_proc passes images without distortion on, whatever R and P are.
+  /// image_proc forwards images without distortion unchanged, even if R and P require
+  /// rectification.
   void checkSkippedRectification() {
     const bool has_rotation = isRotation(camera_.rectification);
     if (rectified_by_ == RectifiedBy::kOthers && hasNoCoefficients(camera_) && has_rotation &&
@@ -174,7 +176,7 @@ class CameraChecker {
   CalibrationCheck& check_;
 };
 
-/// Checks a pair of which each camera is usable by itself, and sets the geometry.
+/// Checks a pair whose cameras are usable individually, and sets the geometry.
 class PairChecker {
  public:
   PairChecker(const StereoCameras& cameras, const InputNames& names, CalibrationCheck& check)
@@ -210,8 +212,8 @@ class PairChecker {
     geometry.left_cy_px = left_.cy;
   }
 
-  /// Whether there is one to compute with. Entries of P that are of a reasonable size each can
-  /// still give a baseline that is not.
+  /// Returns whether the baseline is usable. Even if each entry of P has a reasonable size, the
+  /// baseline may not.
   bool checkBaseline() {
     const StereoGeometry& geometry = check_.geometry;
     const double baseline_m = geometry.baseline_m;

@@ -6,14 +6,14 @@
 namespace cbmv {
 namespace {
 
-constexpr double kZeroRatio = 1e-6;  // of the focal length, and of the entries of R
+constexpr double kZeroRatio = 1e-6;  // relative to the focal length, and absolute for entries of R
 constexpr double kRotationError = 1e-3;
 
 bool hasRoi(const CameraCalibration& camera) {
   return camera.roi.width > 0 && camera.roi.height > 0;
 }
 
-/// Size of the images that belong to the calibration.
+/// The size of the images that the calibration describes.
 cv::Size describedSize(const CameraCalibration& camera) {
   const cv::Size whole = hasRoi(camera) ? camera.roi.size() : cv::Size(camera.width, camera.height);
   return {whole.width / camera.binning_x, whole.height / camera.binning_y};
@@ -67,7 +67,7 @@ bool hasNoCoefficients(const CameraCalibration& camera) {
 bool isRotation(const std::array<double, 9>& matrix) {
   const cv::Matx33d r(matrix.data());
   const cv::Matx33d error = r * r.t() - cv::Matx33d::eye();
-  // cv::norm of NaN compares false.
+  // False for NaN.
   return cv::norm(error, cv::NORM_INF) <= kRotationError && cv::determinant(r) > 0;
 }
 

@@ -8,11 +8,11 @@
 
 #include "cbmv_stereo/camera_calibration.h"
 
-// What one camera's calibration tells by itself, and how messages say it.
+// Properties of one camera's calibration, and texts about them for messages.
 
 namespace cbmv {
 
-/// The parts one after another, numbers with six digits.
+/// Concatenates the parts. Numbers have six significant digits.
 template <typename... Parts>
 std::string join(const Parts&... parts) {
   std::ostringstream text;
@@ -21,29 +21,30 @@ std::string join(const Parts&... parts) {
   return text.str();
 }
 
-/// Whether the calibration tells no size of images.
+/// Returns whether the calibration has no image size.
 bool hasUnknownSize(const CameraCalibration& camera);
 
-/// Whether all coefficients of the distortion are zero, or there is none.
+/// Returns whether all distortion coefficients are zero or there are none.
 bool hasNoCoefficients(const CameraCalibration& camera);
 
-/// Why an image of this size does not belong to the calibration, as the end of a sentence that
-/// begins with the calibration's name; empty if it does, or the calibration tells no size.
+/// Returns why an image of this size does not belong to the calibration, as the end of a sentence
+/// that begins with the name of the calibration. Empty if it belongs, or if the calibration has no
+/// size.
 std::string sizeProblem(const CameraCalibration& camera, cv::Size image_size,
                         const std::string& image_name);
 
-/// The same of R that is no rotation, without what to do; empty if it is one.
+/// The same if R is not a rotation, without the advice what to do. Empty if R is a rotation.
 std::string rotationProblem(const CameraCalibration& camera);
 
-/// Whether the nine numbers are a rotation matrix: orthonormal within 1e-3, determinant 1.
+/// Returns whether the nine numbers are a rotation matrix: orthonormal within 1e-3, determinant 1.
 bool isRotation(const std::array<double, 9>& matrix);
 
-/// Whether an image needs no rectification: D is zero (of a model that leaves the image as it is
-/// then: not of equidistant), R the identity and P's camera matrix K, each within 1e-6 (of the
-/// focal length for K).
+/// Returns whether an image needs no rectification: D is zero, R is the identity and the camera
+/// matrix of P is K, each within 1e-6 (for K relative to the focal length). False for models that
+/// change the image even if D is zero (equidistant).
 bool isIdentity(const CameraCalibration& camera);
 
-/// "640 x 480 px".
+/// Formats a size as "640 x 480 px".
 std::string sizeText(cv::Size size);
 
 }  // namespace cbmv

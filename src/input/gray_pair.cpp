@@ -10,11 +10,11 @@ namespace cbmv {
 namespace {
 
 constexpr double kOutlierShare =
-    0.001;  // hot pixels and lamps must not take the levels of the rest
+    0.001;  // keeps hot pixels and lamps from compressing the other levels
 constexpr int kLevels8 = 256;
 constexpr int kLevels16 = 1 << 16;
 
-/// Linear map from 16 bits to 8.
+/// Linear map from 16 bits to 8 bits.
 struct Stretch {
   double scale;
   double shift;
@@ -28,7 +28,7 @@ struct Stretch {
 
 using Histogram = std::vector<std::size_t>;
 
-/// The level that `share` of all values do not exceed.
+/// The level that a fraction `share` of all values does not exceed.
 int quantile(const Histogram& counts, double share) {
   std::size_t all = 0;
   for (const std::size_t count : counts) {

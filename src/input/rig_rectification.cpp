@@ -12,7 +12,7 @@
 namespace cbmv {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;  // what rounding to some digits leaves
+constexpr double kRotationTolerance = 1e-3;  // covers rounded values
 const std::string kEquidistant = "equidistant";
 
 void require(bool good, const std::string& what) {

@@ -6,18 +6,19 @@
 
 namespace cbmv {
 
-/// Where the right camera stands: x_right = rotation · x_left + translation, m.
+/// Pose of the right camera: x_right = rotation · x_left + translation, in m.
 struct RigTransform {
   cv::Matx33d rotation = cv::Matx33d::eye();
   cv::Vec3d translation;
 };
 
-/// Sets `rectification` (R) and `projection` (P) of both cameras from their camera matrices, models
-/// and coefficients of distortion and sizes: by rotations, with the same principal point and
-/// without invalid pixels at the borders (OpenCV's stereoRectify, or fisheye::stereoRectify for the
-/// model equidistant; zero disparity at infinity, alpha 0). Throws Error when the cameras have
-/// other models or sizes than each other, a model that is not known, no size, values that are not
-/// finite, or a transform that is no rotation with a translation.
+/// Computes `rectification` (R) and `projection` (P) of both cameras from their camera matrices,
+/// distortion and sizes. Uses OpenCV's stereoRectify, or fisheye::stereoRectify for the model
+/// equidistant, with zero disparity at infinity and alpha 0: both cameras get the same principal
+/// point, and the borders have no invalid pixels.
+///
+/// Throws Error if the cameras have different models or sizes, an unknown model, no size or values
+/// that are not finite, or if the transform is not a rotation with a translation.
 void rectifyRig(StereoCameras& cameras, const RigTransform& right_from_left);
 
 }  // namespace cbmv

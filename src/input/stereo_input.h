@@ -13,17 +13,17 @@
 
 namespace cbmv {
 
-/// A rectified pair as cameras and files give it.
+/// A rectified pair from cameras or files.
 struct StereoInput {
   cv::Mat left;                          ///< see toGrayPair
   cv::Mat right;                         ///< see toGrayPair
-  std::optional<StereoCameras> cameras;  ///< none: disparities only, no depth
+  std::optional<StereoCameras> cameras;  ///< none: only disparities, no depth
   RectifiedBy rectified_by = RectifiedBy::kOthers;
   InputNames names;
-  std::vector<std::string> warnings;  ///< of whoever made it
+  std::vector<std::string> warnings;  ///< from the source of the pair
 };
 
-/// The images in gray with 8 bits. Throws InputError if one is empty or the sizes differ.
+/// Converts the images to 8-bit gray. Throws InputError if an image is empty or the sizes differ.
 GrayPair toGrayPair(const StereoInput& input);
 
 }  // namespace cbmv

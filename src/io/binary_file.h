@@ -9,27 +9,26 @@
 
 namespace cbmv {
 
-/// Opens a regular file for reading, numbers in the "C" locale. Throws Error naming it otherwise,
-/// and where it has more than `largest` bytes.
+/// Opens a regular file for reading, with numbers in the "C" locale. Throws Error naming the file
+/// if it cannot be opened or has more than `largest` bytes.
 std::ifstream openForReading(const std::string& path,
                              std::uintmax_t largest = std::numeric_limits<std::uintmax_t>::max());
 
-/// The same for a text, behind the byte order mark where it begins with one (as some editors
-/// write).
+/// The same for a text file. Skips a byte order mark, which some editors write.
 std::ifstream openText(const std::string& path, std::uintmax_t largest);
 
-/// All bytes of such a file.
+/// Reads all bytes of a file, with the errors of openForReading.
 std::vector<std::uint8_t> readBytes(const std::string& path, std::uintmax_t largest);
 
-/// Makes the folder and those it lies in, where they are not there. Throws Error naming it when
-/// that fails.
+/// Creates the folder and its parent folders if they do not exist. Throws Error naming the folder
+/// on failure.
 void makeFolder(const std::string& path);
 
-/// Replaces the file's content. Throws Error naming the file when it cannot be written.
+/// Replaces the content of the file. Throws Error naming the file if it cannot be written.
 void writeFile(const std::string& path, const std::string& content);
 
-/// The same through a new file beside it, so that an interruption leaves the old file whole. Links
-/// are followed; what is no regular file is written to as it is.
+/// The same, but writes a new file beside it and renames it, so that an interruption leaves the old
+/// file intact. Symbolic links are followed. Devices and pipes are written to directly.
 void replaceFile(const std::string& path, const std::string& content);
 
 inline void appendLittleEndian(float value, std::string& bytes) {

@@ -8,21 +8,22 @@
 
 namespace cbmv {
 
-/// JSON that is larger or deeper than any file of ours; the text is what to say of the file.
+/// JSON that is larger or deeper than any valid file. The text is the predicate of the error
+/// message.
 struct JsonTooLarge : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Counts what the parser finds. Deep nesting would overflow the stack of what walks over it, an
-/// object with many keys takes time with the square of their number, and a value takes up to forty
-/// times the memory of its text.
+/// Counts the events of the parser. Deep nesting would overflow the stack of code that traverses
+/// the JSON. An object with n keys takes time in n². A value takes up to 40 times the memory of its
+/// text.
 class JsonBounds {
  public:
   static constexpr int kMaxDepth = 64;
-  static constexpr int kMaxKeys = 4096;        ///< of an object
-  static constexpr long kMaxValues = 8000000;  ///< keys and brackets count, too
+  static constexpr int kMaxKeys = 4096;        ///< per object
+  static constexpr long kMaxValues = 8000000;  ///< including keys and brackets
 
-  /// A step of the parser, inside of `depth` brackets. Throws JsonTooLarge.
+  /// Counts one event of the parser inside of `depth` brackets. Throws JsonTooLarge.
   void count(int depth, nlohmann::json::parse_event_t event) {
     using Event = nlohmann::json::parse_event_t;
     require(++values_ <= kMaxValues, "holds more than ", kMaxValues, " values");
@@ -36,18 +37,18 @@ class JsonBounds {
   }
 
  private:
-  /// No text is made where all is good: this is called for every value.
+  /// Builds the message only on error, because it is called for every value.
   static void require(bool good, const char* begin, long bound, const char* end) {
     if (!good) {
       throw JsonTooLarge(begin + std::to_string(bound) + end);
     }
   }
 
-  std::array<int, kMaxDepth + 1> keys_{};  ///< so far, of the object at each depth
+  std::array<int, kMaxDepth + 1> keys_{};  ///< keys so far of the object at each depth
   long values_ = 0;
 };
 
-/// Throws JsonTooLarge, or Json::parse_error.
+/// Parses JSON within these limits. Throws JsonTooLarge or Json::parse_error.
 template <typename Json>
 Json parseBounded(const std::string& text) {
   JsonBounds bounds;

@@ -16,7 +16,7 @@
 namespace cbmv {
 namespace {
 
-constexpr double kSame = 1e-3;  // px: what calibrations that were rounded may differ by
+constexpr double kSame = 1e-3;  // px: tolerance for rounded values
 
 template <typename Numbers>
 void writeMatrix(std::ostream& text, const char* key, std::size_t rows, const Numbers& numbers) {
@@ -34,7 +34,7 @@ void requireSame(double left, double right, const std::string& what, const std::
   }
 }
 
-/// A pixel of a rectified pair is as wide as high.
+/// Requires fx = fy > 0, as in a rectified pair.
 void requireRectified(const CameraCalibration& camera, const std::string& path) {
   const double fx = camera.projection[0];
   if (!(fx > 0) || std::abs(fx - camera.projection[5]) > kSame) {

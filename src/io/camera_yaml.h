@@ -9,17 +9,17 @@
 namespace cbmv {
 
 /// Reads the YAML files of camera_calibration and camera_info_manager:
-/// http://wiki.ros.org/camera_calibration_parsers. binning_x, binning_y (at least 1) and roi
-/// (x_offset, y_offset, width, height) are read where they are there, as CameraInfo has them.
-/// Throws Error naming the file, and the key that is missing or malformed.
+/// http://wiki.ros.org/camera_calibration_parsers. Optional keys: binning_x, binning_y (at least 1)
+/// and roi (x_offset, y_offset, width, height), as in CameraInfo. Throws Error naming the file and
+/// the key that is missing or malformed.
 CameraCalibration readCameraYaml(const std::string& path);
 
-/// Writes such a file. Throws Error naming the file when it cannot be written.
+/// Writes a YAML file of this format. Throws Error naming the file if it cannot be written.
 void writeCameraYaml(const std::string& path, const CameraCalibration& camera);
 
-/// The rectified pair that the projection matrices of both files describe. Throws Error naming the
-/// file if the right camera does not lie to the right of the left one, or if the matrices have no
-/// common focal length, centre row and size.
+/// Reads the rectified pair from the projection matrices of both files. Throws Error naming the
+/// file if the right camera is not to the right of the left camera, or if focal length, cy or size
+/// differ.
 StereoCalibration readCameraYamlPair(const std::string& left_path, const std::string& right_path);
 
 }  // namespace cbmv

@@ -17,7 +17,7 @@ namespace {
 constexpr double kKittiFactor = 256.0;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Without OpenCV's conversions of colours and depths.
+/// Does not use OpenCV's conversions of colors and depths.
 cv::Mat readIntegers(const std::string& path) {
   cv::Mat image = decodeImageFile(path, cv::IMREAD_UNCHANGED);
   if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_16UC1)) {

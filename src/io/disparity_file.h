@@ -6,15 +6,15 @@
 
 namespace cbmv {
 
-/// Reads disparities as CV_32FC1, px, NaN = unknown: from a portable float map (extension .pfm
-/// in upper or lower case)
-/// value / divisor, where values that are not finite are unknown; from any other image, which must
-/// be grey with 8 or 16 bits, value / divisor, where 0 is unknown.
-/// Throws Error naming the file when it is missing, malformed or of another type.
+/// Reads disparities as CV_32FC1 in px, NaN = unknown. Values are divided by `divisor`.
+/// - Portable float map (extension .pfm in upper or lower case): values that are not finite are
+///   unknown.
+/// - Any other image, which must be gray with 8 or 16 bits: 0 is unknown.
+/// Throws Error naming the file if it is missing, malformed or of another type.
 cv::Mat readDisparity(const std::string& path, double divisor);
 
-/// Disparities (CV_32FC1, px; not finite = none) as the CV_16UC1 image that KITTI takes: 256 times
-/// px, rounded; 0 = none, so that no disparity becomes 0.
+/// Converts disparities (CV_32FC1, px; not finite = none) to the CV_16UC1 format of KITTI: 256
+/// times px, rounded. 0 = none, so no disparity is stored as 0.
 cv::Mat toKittiDisparity(const cv::Mat& disparity);
 
 }  // namespace cbmv

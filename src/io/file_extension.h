@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-/// Whether the path ends with `extension` (".pfm"), in upper or lower case.
+/// Returns whether the path ends with `extension` (".pfm"), in upper or lower case.
 inline bool hasExtension(const std::filesystem::path& path, const std::string& extension) {
   const std::string own = path.extension().string();
   return std::equal(

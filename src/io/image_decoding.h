@@ -13,7 +13,7 @@
 
 namespace cbmv {
 
-/// The image in these bytes; empty where OpenCV cannot decode it. `flags`: cv::ImreadModes.
+/// Decodes an image. Empty if OpenCV cannot decode it. `flags`: cv::ImreadModes.
 inline cv::Mat decodeImage(const std::vector<std::uint8_t>& bytes, int flags) {
   try {
     return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, flags);
@@ -22,8 +22,8 @@ inline cv::Mat decodeImage(const std::vector<std::uint8_t>& bytes, int flags) {
   }
 }
 
-/// The same from a file. Throws Error naming the file when it cannot be opened, because OpenCV does
-/// not say why it fails, or claims to hold more than kMaxImagePixels.
+/// The same for a file. Throws Error naming the file if it cannot be opened (OpenCV gives no
+/// reason), or if its header declares more than kMaxImagePixels.
 inline cv::Mat decodeImageFile(const std::string& path, int flags) {
   constexpr std::uintmax_t largest_file = 1U << 30;
   const std::vector<std::uint8_t> bytes = readBytes(path, largest_file);

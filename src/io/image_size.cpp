@@ -6,7 +6,7 @@
 namespace cbmv {
 namespace {
 
-/// The bytes of a file, which ends where it may.
+/// The bytes of a file, which may be truncated.
 struct Bytes {
   const std::uint8_t* data;
   std::size_t size;
@@ -30,30 +30,31 @@ std::uint64_t pngPixels(const Bytes& file) {
              : file.bigEndian(width_place, 4) * file.bigEndian(width_place + 4, 4);
 }
 
-/// Frame headers: 0xC0 … 0xCF without the three that are tables and an extension.
+/// Frame headers are 0xC0 … 0xCF except 0xC4, 0xC8 and 0xCC, which are tables and an extension.
 bool isFrameHeader(std::uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-/// Markers 0x01 and 0xD0 … 0xD9 stand alone; the others have a length, which counts its own bytes.
+/// Markers 0x01 and 0xD0 … 0xD9 have no content. The others have a length that includes its own
+/// bytes.
 bool standsAlone(std::uint8_t marker) {
   return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd9);
 }
 
-/// Of the largest frame header before the image's data.
+/// The pixels of the largest frame header before the image data.
 std::uint64_t jpegPixels(const Bytes& file) {
   std::uint64_t pixels = 0;
   std::size_t place = 2;
   while (place + 4 <= file.size) {
     const std::uint8_t marker = file.data[place + 1];
     if (file.data[place] != 0xff || marker == 0xff || marker == 0x00) {
-      ++place;  // fill bytes, and what decoders skip
+      ++place;  // fill bytes, and bytes that decoders skip
       continue;
     }
     if (isFrameHeader(marker) && place + 9 <= file.size) {
       pixels = std::max(pixels, file.bigEndian(place + 5, 2) * file.bigEndian(place + 7, 2));
     }
-    if (marker == 0xda) {  // the data begin
+    if (marker == 0xda) {  // start of the image data
       break;
     }
     place += 2 + (standsAlone(marker) ? 0 : file.bigEndian(place + 2, 2));

@@ -5,12 +5,12 @@
 
 namespace cbmv {
 
-/// Pixels of the largest image that is read: 400 MB in colour.
+/// Largest image that is read, in pixels: 400 MB in color.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 27;
 
-/// Pixels that the header of a PNG or JPEG promises, before any memory is taken for them: some
-/// kilobytes can promise, and unpack to, gigabytes. 0 for other formats, whose size OpenCV bounds,
-/// and where the header is cut off.
+/// The number of pixels that the header of a PNG or JPEG declares. It is checked before memory is
+/// allocated, because a file of some kilobytes can unpack to gigabytes. 0 for other formats, whose
+/// size OpenCV limits, and for truncated headers.
 std::uint64_t claimedPixels(const std::uint8_t* data, std::size_t size);
 
 }  // namespace cbmv

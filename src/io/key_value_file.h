@@ -8,26 +8,26 @@
 
 namespace cbmv {
 
-/// A small text file of lines `key SEPARATOR value`, blanks anywhere around key and value; other
-/// lines are skipped. Its errors name the file and the key.
+/// A small text file with lines `key SEPARATOR value`. Blanks are allowed around key and value.
+/// Other lines are ignored. Errors name the file and the key.
 class KeyValueFile {
  public:
-  /// Throws Error when the file cannot be opened.
+  /// Throws Error if the file cannot be opened.
   KeyValueFile(const std::string& path, char separator);
 
   bool has(const std::string& key) const { return values_.count(key) > 0; }
 
-  /// A number above 0. Throws Error.
+  /// Returns a number above 0. Throws Error otherwise.
   double positive(const std::string& key) const;
 
-  /// A whole number above 0. Throws Error.
+  /// Returns an integer above 0. Throws Error otherwise.
   int positiveInteger(const std::string& key) const;
 
-  /// The numbers of a value, without brackets and semicolons; none when it holds anything else.
-  /// Throws Error when the key is missing.
+  /// Returns the numbers of a value without brackets and semicolons. Empty if it has other content.
+  /// Throws Error if the key is missing.
   std::vector<double> numbers(const std::string& key) const;
 
-  /// [f 0 cx; 0 f cy; 0 0 1] with f above 0. Throws Error.
+  /// Returns a matrix [f 0 cx; 0 f cy; 0 0 1] with f > 0. Throws Error otherwise.
   cv::Matx33d cameraMatrix(const std::string& key) const;
 
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;

@@ -11,9 +11,9 @@
 
 namespace cbmv {
 
-/// The map below a JSON object that keeps its keys in the order in which they are added. A key is
-/// looked for among all. nlohmann::ordered_json does the same, but nlohmann-json 3.7 (Ubuntu 20.04)
-/// lacks it.
+/// The map type of a JSON object that keeps its keys in insertion order. A key is found by linear
+/// search. nlohmann::ordered_json does the same, but nlohmann-json 3.7 (Ubuntu 20.04) does not have
+/// it.
 template <typename Key, typename Value, typename /*Less*/, typename Allocator>
 class OrderedMap : public std::list<std::pair<const Key, Value>, Allocator> {
   using Base = std::list<std::pair<const Key, Value>, Allocator>;
@@ -35,7 +35,7 @@ class OrderedMap : public std::list<std::pair<const Key, Value>, Allocator> {
     }
   }
 
-  /// Where the key is there already, its value stays.
+  /// If the key exists, its value is kept.
   template <typename K, typename V>
   std::pair<iterator, bool> emplace(K&& key, V&& value) {
     if (const iterator found = find(key); found != this->end()) {

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Absolute, without symbolic links as far as the path exists.
+/// Absolute path, with symbolic links resolved as far as the path exists.
 std::string realPath(const std::string& path) {
   std::error_code ignored;
   const fs::path real = fs::weakly_canonical(fs::absolute(path), ignored);

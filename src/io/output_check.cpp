@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 std::string systemError() { return std::generic_category().message(errno); }
 
-/// By making a file: permissions do not tell of read-only or special file systems.
+/// Creates a file, because permissions do not show read-only or special file systems.
 void requireTakesFiles(const fs::path& folder, const std::string& path) {
   std::string probe = (folder / ".cbmv_write_check_XXXXXX").string();
   const int file = mkstemp(probe.data());
@@ -33,7 +33,7 @@ void requireTakesFiles(const fs::path& folder, const std::string& path) {
   unlink(probe.c_str());
 }
 
-/// Without the slashes at its end, behind which there is no name.
+/// Removes slashes at the end, because the path has no file name after them.
 fs::path withoutEndSlash(const fs::path& path) {
   return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
 }
@@ -53,7 +53,7 @@ void requireWritableFile(const std::string& path) {
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
     return;  // a device or pipe needs no folder
   }
-  const fs::path target = fs::weakly_canonical(path, ignored);  // a link's target is replaced
+  const fs::path target = fs::weakly_canonical(path, ignored);  // the target of a link is replaced
   const fs::path folder = fs::absolute(target.empty() ? fs::path(path) : target).parent_path();
   if (!fs::is_directory(folder, ignored)) {
     fail(path, "there is no folder " + folder.string(), "Make it or give another path.");

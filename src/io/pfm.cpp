@@ -33,7 +33,7 @@ void skipComments(std::ifstream& in) {
   }
 }
 
-/// Leaves `in` behind the scale.
+/// Reads up to the end of the scale.
 PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   std::array<char, 2> magic{};
   in.read(magic.data(), magic.size());
@@ -61,9 +61,9 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   return {static_cast<int>(width), static_cast<int>(height), scale < 0.0};
 }
 
-/// Leaves `in` at the first value: one white-space character ends the header, or more, as of
-/// Windows or with blanks before; as the first values may look like these, the size of the file
-/// decides.
+/// Reads up to the first value. One white-space character ends the header. Some files have more,
+/// for example Windows line ends or trailing blanks. The first values may look like white space, so
+/// the size of the file decides.
 void skipHeaderEnd(std::ifstream& in, const std::string& path, std::uintmax_t bytes_of_values) {
   const std::uintmax_t file_bytes = std::filesystem::file_size(path);
   const auto behind = [&in] { return static_cast<std::uintmax_t>(in.tellg()); };

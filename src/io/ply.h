@@ -7,8 +7,8 @@
 
 namespace cbmv {
 
-/// Writes a point cloud as binary little-endian PLY with vertex properties x y z red green blue.
-/// Throws Error naming the file when it cannot be written.
+/// Writes a point cloud as binary little-endian PLY with the vertex properties x y z red green
+/// blue. Throws Error naming the file if it cannot be written.
 void writePly(const std::string& path, const std::vector<ColoredPoint>& points);
 
 }  // namespace cbmv

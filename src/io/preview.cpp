@@ -8,7 +8,7 @@
 namespace cbmv {
 namespace {
 
-/// Colours by `map` of 255 · clamp(position, 0, 1), rounded; black where `position` is NaN.
+/// Colors of 255 · clamp(position, 0, 1), rounded, in `map`. Black where `position` is NaN.
 template <typename Position>
 cv::Mat colorize(const cv::Mat& values, int map, Position position) {
   CV_Assert(values.type() == CV_32FC1);

@@ -28,14 +28,14 @@ constexpr const char* kPinholeModel = "plumb_bob";
 
 enum class Format { kMiddlebury, kKittiRaw, kKittiPair, kEuroc, kRos };
 
-/// A path and the cameras of KITTI that it asks for.
+/// A path and the selected KITTI cameras.
 struct KittiPath {
   std::string file;
   std::string left = "00";
   std::string right = "01";
 };
 
-/// "FILE:02,03" where there is no file of this very name.
+/// Parses "FILE:02,03", unless a file with exactly this name exists.
 KittiPath parsePath(const std::string& path) {
   static const std::regex kWithCameras("(.+):0?([0-3]),0?([0-3])");
   std::smatch found;
@@ -46,7 +46,7 @@ KittiPath parsePath(const std::string& path) {
   return {found[1], "0" + found[2].str(), "0" + found[3].str()};
 }
 
-/// By the first line that begins with a key of one of them.
+/// The first line that begins with a key of a format decides.
 Format findFormat(const std::string& path) {
   struct Mark {
     const char* begin;
@@ -75,8 +75,8 @@ Format findFormat(const std::string& path) {
       "a camera's YAML of ROS (with projection_matrix), or EuRoC's sensor.yaml (with T_BS).");
 }
 
-/// K = the left part of P, R the identity, no distortion: all that is known of a camera whose
-/// images were rectified by others.
+/// K is the left part of P, R is the identity, and there is no distortion. Nothing more is known
+/// about a camera whose images were rectified by others.
 CameraCalibration rectifiedCamera(const cv::Matx34d& projection) {
   CameraCalibration camera;
   const cv::Matx33d matrix = projection.get_minor<3, 3>(0, 0);
@@ -132,7 +132,7 @@ CameraCalibration readKittiRawCamera(const KeyValueFile& file, const std::string
   return camera;
 }
 
-/// Of a file P0 … P3.
+/// Reads one of P0 … P3.
 CameraCalibration readKittiProjection(const KeyValueFile& file, const std::string& number) {
   const auto projection = kittiNumbers<12>(file, "P" + number.substr(1));
   CameraCalibration camera = rectifiedCamera(cv::Matx34d(projection.data()));
@@ -151,14 +151,14 @@ StereoCameraFile readKitti(const KittiPath& path, Format format) {
   return read;
 }
 
-/// A camera of EuRoC, and where it stands: x_body = from_camera · x_camera.
+/// A camera of EuRoC and its pose: x_body = rotation · x_camera + translation.
 struct EurocCamera {
   CameraCalibration camera;
   cv::Matx33d rotation;
   cv::Vec3d translation;
 };
 
-/// EuRoC's names of the models that ROS knows; any other stays as it is and is rejected later.
+/// Converts EuRoC's names of models to those of ROS. Unknown names are kept and rejected later.
 std::string rosDistortionModel(const std::string& model) {
   return model == "radial-tangential" || model == "radtan" ? kPinholeModel : model;
 }
@@ -179,7 +179,7 @@ EurocCamera readEurocCamera(const std::string& path) {
   read.camera.distortion_model = rosDistortionModel(file.text("distortion_model"));
   read.camera.distortion = file.numbers("distortion_coefficients");
   if (read.camera.distortion_model == kPinholeModel && read.camera.distortion.size() == 4) {
-    read.camera.distortion.push_back(0.0);  // k3: plumb_bob has five
+    read.camera.distortion.push_back(0.0);  // k3: plumb_bob has five coefficients
   }
   const cv::Matx44d pose(file.numbers<16>("T_BS").data());
   read.rotation = pose.get_minor<3, 3>(0, 0);

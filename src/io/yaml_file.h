@@ -9,25 +9,26 @@
 
 namespace cbmv {
 
-/// A YAML file that holds a map. Its errors name the file and the key.
+/// A YAML file that contains a map. Errors name the file and the key.
 class YamlFile {
  public:
-  /// Skips a byte order mark and OpenCV's first line, %YAML:1.0, which is no YAML. `content` is
-  /// what the file should be, for messages. Throws Error when the file cannot be read or is no map.
+  /// Skips a byte order mark and OpenCV's first line, %YAML:1.0, which is not valid YAML. `content`
+  /// is the expected kind of file, for messages. Throws Error if the file cannot be read or is not
+  /// a map.
   YamlFile(const std::string& path, const std::string& content);
 
   bool has(const char* key) const { return root_[key].IsDefined(); }
 
-  /// Throws Error.
+  /// Throws Error if the key has no integer.
   int wholeNumber(const char* key) const;
 
-  /// Empty where there is none.
+  /// Empty if the key is missing.
   std::string text(const char* key) const { return root_[key].as<std::string>(""); }
 
-  /// The list that the key holds, or that lies under the key as `data`. Throws Error.
+  /// Returns the list at the key, or the list `data` in the map at the key. Throws Error.
   std::vector<double> numbers(const char* key) const;
 
-  /// The same of a length that is known. Throws Error.
+  /// The same for a list of fixed length. Throws Error.
   template <std::size_t count>
   std::array<double, count> numbers(const char* key) const {
     const std::vector<double> list = numbers(key);
@@ -39,7 +40,7 @@ class YamlFile {
     return array;
   }
 
-  /// The map of whole numbers under a key; 0 for what it does not have. Throws Error.
+  /// Returns an integer of the map at a key, or 0 if the map does not have it. Throws Error.
   int wholeNumberIn(const char* map, const char* key) const;
 
   [[noreturn]] void fail(const char* key, const std::string& what) const;
