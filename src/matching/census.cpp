@@ -19,8 +19,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
-/// Hamming distances of all hypotheses. Byte k of a column lies `width` behind byte k − 1. The last
-/// vector of a run reaches beyond it, into places that come later.
+/// Hamming distances of all hypotheses. Byte k of a column is `width` bytes after byte k − 1. The
+/// last vector of a run writes beyond its end, into places that are written later.
 void hammingDistances(const std::uint8_t* left, const std::uint8_t* right, int width,
                       const RowEntries& entries, std::uint8_t* costs) {
   const Bytes tag;

@@ -21,11 +21,11 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
-/// `bits[x]`: which of the `count` ≤ 8 neighbours at the given distances in memory are darker than
-/// the pixel itself.
+/// Sets `bits[x]` to the bits of the `count` ≤ 8 neighbors at the given memory distances. A bit is
+/// 1 if the neighbor is darker than the pixel.
 HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* first_distance,
                                   int count, int width, std::uint8_t* bits) {
-  std::array<std::ptrdiff_t, 8> distances{};  // own ones: a store of a byte may change others
+  std::array<std::ptrdiff_t, 8> distances{};  // local copy: storing a byte may alias others
   std::copy_n(first_distance, count, distances.begin());
   forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
     const auto centre = hn::LoadU(tag, pixels + x);
@@ -62,7 +62,7 @@ namespace {
 
 HWY_EXPORT(transformRow);
 
-/// From a pixel to its neighbours in memory, in raster order.
+/// Distances in memory from a pixel to its neighbors, in raster order.
 void findNeighbours(cv::Size window, std::ptrdiff_t stride,
                     std::vector<std::ptrdiff_t>& distances) {
   distances.clear();

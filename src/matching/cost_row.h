@@ -18,21 +18,21 @@ struct ColumnSpan {
   bool empty() const { return begin >= end; }
 };
 
-/// Left columns x whose match x − d lies inside of the right image.
+/// Left columns x whose match x − d is inside of the right image.
 inline ColumnSpan matchedColumns(int width, int d) {
   return {std::max(0, d), std::min(width, width + d)};
 }
 
 /// Matching costs of the hypotheses of one image row, laid out [place][column of the tile] (see
-/// RowEntries): for one disparity, neighbors of both views are neighbors in memory. Costs of
-/// hypotheses whose match lies outside of the right image are unspecified. `Cost` is the narrowest
-/// type that holds a matcher's costs. kWritableBeyond costs behind the last one may be written.
+/// RowEntries). At one disparity, neighbors in either view are neighbors in memory. Costs of
+/// hypotheses whose match is outside of the right image are unspecified. `Cost` is the narrowest
+/// type for the costs of a matcher. kWritableBeyond costs after the last one may be written.
 template <typename Cost>
 class CostRow {
  public:
   static constexpr std::size_t kWritableBeyond = 64;
 
-  /// Makes room for so many entries. Contents are unspecified afterwards. Never gives memory back.
+  /// Makes room for `entries` entries. Contents are unspecified afterwards. Never frees memory.
   void resize(std::size_t entries) {
     const std::size_t size = entries * kTileColumns + kWritableBeyond;
     if (costs_.size() < size) {
@@ -48,7 +48,7 @@ class CostRow {
   std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
-/// A row of costs of any matcher.
+/// A row of costs from any matcher.
 using CostRowPointer = std::variant<const CostRow<std::uint8_t>*, const CostRow<std::uint16_t>*,
                                     const CostRow<float>*>;
 

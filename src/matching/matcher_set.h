@@ -22,18 +22,18 @@ constexpr int kMatcherCount = 4;
 constexpr std::array<const char*, kMatcherCount> kMatcherNames = {"census", "ncc", "zero_mean_sad",
                                                                   "sobel_sad"};
 
-/// Which matchers are used; bit of Matcher.
+/// The matchers that are used, one bit per Matcher.
 using MatcherSelection = std::bitset<kMatcherCount>;
 inline MatcherSelection allMatchers() { return MatcherSelection().set(); }
 
-/// The matching costs of a row by every matcher.
+/// Matching costs of a row from all matchers.
 struct MatcherCosts {
   CostRow<std::uint8_t> census;
   CostRow<float> ncc;
   CostRow<std::uint16_t> zero_mean_sad;
   CostRow<std::uint16_t> sobel_sad;
 
-  /// Makes room for so many entries by the matchers `used`.
+  /// Makes room for `entries` entries of the matchers `used`.
   void resize(std::size_t entries, const MatcherSelection& used);
 
   /// In the order of Matcher.
@@ -42,10 +42,11 @@ struct MatcherCosts {
   }
 };
 
-/// All matchers on one pair. `prepare` once a pair, then rows in any order from any thread.
+/// All matchers on one pair. Call `prepare` once per pair, then compute rows in any order from any
+/// thread.
 class MatcherSet {
  public:
-  /// Memory for one row at a time; one per thread.
+  /// Memory for one row at a time. One per thread.
   struct Scratch {
     CensusMatcher::Scratch census;
     NccMatcher::Scratch ncc;
@@ -56,12 +57,13 @@ class MatcherSet {
     void resize(int width);
   };
 
-  /// Prepares the matchers `used`. Both images CV_8UC1 of the same size; copies what it needs.
+  /// Prepares the matchers `used`. Both images are CV_8UC1 and of the same size. Copies the data
+  /// that it needs.
   void prepare(const cv::Mat& left, const cv::Mat& right,
                const MatcherSelection& used = allMatchers());
 
-  /// Costs of the entries of row y by the matchers `used`, all of them prepared; those of the
-  /// others stay as they are.
+  /// Computes the costs of the entries of row y by the matchers `used`, which must be prepared.
+  /// Costs of other matchers do not change.
   void computeRow(int y, const RowEntries& entries, const MatcherSelection& used, Scratch& scratch,
                   MatcherCosts& costs) const;
 

@@ -17,8 +17,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 
-// All sums and products here are whole numbers below 2²⁴, exact in single precision: a fused
-// multiply-add changes nothing.
+// All sums and products are integers below 2²⁴, exact in single precision. So a fused multiply-add
+// gives the same result.
 constexpr float kPixels = NccMatcher::kWindowPx * NccMatcher::kWindowPx;
 
 /// Sum of columns x − 1, x, x + 1.
@@ -28,8 +28,8 @@ HWY_INLINE V sumOfThree(D tag, const float* columns) {
                  hn::LoadU(tag, columns + 1));
 }
 
-/// Sums down the columns of the windows, from one column before `span` to one behind, of left ·
-/// right pixels.
+/// Products left · right, summed down the columns of the windows, from one column before `span` to
+/// one column after it.
 HWY_INLINE void sumProducts(const NccMatcher::Rows& left, const NccMatcher::Rows& right, int d,
                             const ColumnSpan& span, float* columns) {
   const NccMatcher::Rows l = left;
@@ -65,7 +65,7 @@ HWY_INLINE void sumWindows(const NccMatcher::Rows& rows, int width, float* colum
   });
 }
 
-/// `columns` holds the sums of products down the columns of the windows.
+/// `columns` has the sums of products down the columns of the windows.
 HWY_INLINE void correlateRun(const NccMatcher::Windows& left, const NccMatcher::Windows& right,
                              int d, const ColumnSpan& span, const float* columns, float* line) {
   const NccMatcher::Windows l = left;
@@ -82,7 +82,7 @@ HWY_INLINE void correlateRun(const NccMatcher::Windows& left, const NccMatcher::
   });
 }
 
-/// What a row of one view needs, from the pixels of the window's rows.
+/// Prepares the data of a row of one view from the pixels of the window rows.
 NccMatcher::Windows prepareWindows(const NccMatcher::Pixels& pixels, int width, float* columns,
                                    NccMatcher::View& view) {
   NccMatcher::Windows windows{{}, view.sums.data(), view.inverse_deviations.data()};
@@ -99,11 +99,10 @@ NccMatcher::Windows prepareWindows(const NccMatcher::Pixels& pixels, int width, 
   return windows;
 }
 
-/// Calls fill(run, shift) for all runs and then use(run, shift). In between, a line holds values of
-/// the columns of the run, from `radius` before its span to as many behind it: that of column x at
-/// shift + x. The line has room for `width` + 2 · `radius` values. As many runs as fit are filled
-/// before the first is used: a vector that is read across two which have just been written has to
-/// wait for them.
+/// Calls fill(run, shift) and then use(run, shift) for all runs. Between the two calls, a line has
+/// the values of the run's columns and of `radius` columns on either side: column x is at shift +
+/// x. The line has room for `width` + 2 · `radius` values. As many runs as fit are filled before
+/// the first is used, because a vector load that spans two recent stores has to wait for them.
 template <class Fill, class Use>
 HWY_INLINE void forBatches(const RowEntries& entries, int width, int radius, const Fill& fill,
                            const Use& use) {

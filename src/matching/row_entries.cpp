@@ -5,14 +5,14 @@
 namespace cbmv {
 namespace {
 
-/// Part of a tile's list: [begin, end).
+/// Part [begin, end) of the list of a tile.
 struct ListPart {
   int begin;
   int end;
 };
 
-/// The hypotheses that have at least one column inside of both images, of a tile whose columns
-/// inside of the left one are `columns`.
+/// The part of a tile's list whose hypotheses have at least one column inside of both images.
+/// `columns` are the columns of the tile inside of the left image.
 ListPart matchedPart(const SearchSpace::Tile& tile, const ColumnSpan& columns, int width,
                      const DisparityRange& range) {
   const int lowest = columns.begin - width + 1 - range.min;
@@ -46,7 +46,7 @@ void RowEntries::build(const SearchSpace& space, int y) {
   findRuns();
 }
 
-/// Leaves the first place of each disparity in ends_.
+/// Afterwards ends_ has the first place of each disparity.
 void RowEntries::countEntries(const SearchSpace& space, int y) {
   ends_.assign(space.range().count, 0);
   int* counts = ends_.data();

@@ -19,8 +19,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Words = hn::CappedTag<std::uint16_t, 32>;
 
-/// Sums of absolute differences in the windows of the columns `span`. `columns` holds the sums down
-/// the columns meanwhile, from two before to two behind.
+/// Sums of absolute differences in the windows of the columns `span`. `columns` is scratch memory:
+/// the sums down the columns, from two columns before `span` to two columns after it.
 HWY_INLINE void sumDifferencesOfRun(const SobelSadMatcher::Rows& left,
                                     const SobelSadMatcher::Rows& right, int d,
                                     const ColumnSpan& span, std::uint16_t* columns,
@@ -73,7 +73,7 @@ SobelSadMatcher::Rows windowRows(const cv::Mat& padded, int y) {
   return rows;
 }
 
-/// Of the padded image without a margin of one pixel.
+/// Computes the responses of the padded image without a margin of one pixel.
 void computeResponses(const cv::Mat& padded, cv::Mat& responses) {
   responses.create(padded.size(), CV_16SC1);
   tbb::parallel_for(1, padded.rows - 1, [&](int y) {

@@ -22,9 +22,9 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Words = hn::CappedTag<std::int16_t, 32>;
 
-/// Σ |difference − mean difference| over the windows of the columns `span`. The differences of
-/// pixels, column 0 of row r at differences + r · stride, are computed from two columns before to
-/// two behind.
+/// Σ |difference − mean difference| over the windows of the columns `span`. `differences` is
+/// scratch memory for the differences of pixels: column 0 of row r is at differences + r · stride.
+/// They are computed from two columns before `span` to two columns after it.
 HWY_INLINE void sumDeviationsOfRun(const ZeroMeanSadMatcher::Windows& left,
                                    const ZeroMeanSadMatcher::Windows& right, int d,
                                    const ColumnSpan& span, int stride, std::int16_t* differences,
@@ -74,9 +74,9 @@ HWY_EXPORT(sumDeviations);
 
 constexpr int kWindow = ZeroMeanSadMatcher::kWindowPx;
 constexpr int kPixels = kWindow * kWindow;
-constexpr int kBlock = 512;  // columns whose sums fit the stack
+constexpr int kBlock = 512;  // columns whose sums fit on the stack
 
-/// Means of the windows around the pixels of row y, block by block.
+/// Means of the windows around the pixels of row y, in blocks.
 void meansOfRow(const cv::Mat& padded, int y, int width, std::int16_t* means) {
   std::array<int, kBlock + kWindow - 1> columns{};
   for (int first = 0; first < width; first += kBlock) {

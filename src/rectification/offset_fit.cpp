@@ -8,20 +8,20 @@
 namespace cbmv {
 namespace {
 
-constexpr double kMinScale = 0.02;       // px; keeps the weights finite on perfect matches
-constexpr double kSlopePrior = 1.0;      // px at the border of the image, standard deviation
-constexpr double kMinSpread = 0.2;       // determinant of as few matches as fix a model
+constexpr double kMinScale = 0.02;       // px; keeps the weights finite for perfect matches
+constexpr double kSlopePrior = 1.0;      // px at the image border, standard deviation
+constexpr double kMinSpread = 0.2;       // smallest determinant of a minimal sample
 constexpr double kSignificance = 22.46;  // chi-square, 6 degrees of freedom, 99.9 %
-constexpr double kBiasPx = 0.015;        // px; what sub-pixel matches of a pair have in common
-constexpr double kTukey = 4.685;         // scales from which on a match has no weight
+constexpr double kBiasPx = 0.015;        // px; common error of the subpixel matches of a pair
+constexpr double kTukey = 4.685;  // residuals from this multiple of the scale on have weight 0
 
 constexpr int kParameters = VerticalOffset::kParameters;
-constexpr int kBilinear = 4;  // of them: without curvatures
+constexpr int kBilinear = 4;  // parameters of the model without curvatures
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
 
-/// Columns: 1, x, y, xy, x² and y², with x and y in halves of the image, so that all parameters are
-/// in px.
+/// Linear model dy = design · parameters. Columns of the design: 1, x, y, xy, x² and y². x and y
+/// are in units of half the image size, so that all parameters are in px.
 struct LinearFit {
   Eigen::Matrix<double, Eigen::Dynamic, kParameters> design;
   Eigen::VectorXd dy;
@@ -31,8 +31,8 @@ struct LinearFit {
 
   Eigen::VectorXd residuals() const { return dy - design * parameters; }
 
-  /// Σ w a aᵀ, and what is known of all but the offset before: matches in one corner must not send
-  /// the opposite corner astray.
+  /// Σ w a aᵀ plus a prior on all parameters except the offset. Without the prior, matches in one
+  /// corner could give wrong values in the opposite corner.
   ParameterMatrix normalMatrix(const Eigen::VectorXd& match_weights) const {
     ParameterMatrix normal = design.transpose() * match_weights.asDiagonal() * design;
     normal.diagonal().tail<kParameters - 1>().array() +=
@@ -61,7 +61,7 @@ LinearFit linearSystem(const std::vector<SparseMatch>& matches, const cv::Size& 
   return fit;
 }
 
-/// Standard deviation of a normal distribution with this median of absolute values.
+/// Standard deviation of a normal distribution with the same median of absolute values.
 double robustScale(const Eigen::VectorXd& residuals) {
   std::vector<double> absolute(static_cast<std::size_t>(residuals.size()));
   Eigen::VectorXd::Map(absolute.data(), residuals.size()) = residuals.cwiseAbs();
@@ -70,11 +70,12 @@ double robustScale(const Eigen::VectorXd& residuals) {
   return std::max(1.4826 * *middle, kMinScale);
 }
 
-/// Least median of squares: of the bilinear models through four matches, the one with the smallest
-/// scale. Half of the matches may be wrong, and agree with each other, without moving it.
+/// Least median of squares: fits bilinear models to samples of four matches and returns the model
+/// with the smallest scale. The result is robust against up to half of the matches being wrong,
+/// even if the wrong ones agree with each other.
 Parameters leastMedianModel(const LinearFit& fit) {
   constexpr int samples = 600;
-  cv::RNG rng(1);  // always the same samples: the estimate is deterministic
+  cv::RNG rng(1);  // fixed seed: the estimate is deterministic
   Parameters best = Parameters::Zero();
   double best_scale = robustScale(fit.dy);
   for (int i = 0; i < samples; ++i) {
@@ -110,7 +111,7 @@ double tukeySlope(double residual) {
   return square >= 1.0 ? 0.0 : (1.0 - square) * (1.0 - 5.0 * square);
 }
 
-/// Of the parameters, see fitVerticalOffset.
+/// Covariance of the parameters, see fitVerticalOffset.
 ParameterMatrix covarianceOf(const LinearFit& fit) {
   const Eigen::VectorXd scaled = fit.residuals() / fit.scale;
   const Eigen::VectorXd influence = fit.scale * scaled.cwiseProduct(scaled.unaryExpr(&tukeyWeight));
@@ -155,7 +156,7 @@ VerticalOffset toModel(const LinearFit& fit, const ParameterMatrix& covariance,
   return model;
 }
 
-/// Of the values of the matches that agree with the model.
+/// Over the matches that agree with the model.
 double rootMeanSquare(const LinearFit& fit, const Eigen::VectorXd& values) {
   const Eigen::VectorXd agrees = (fit.weights.array() > 0.0).cast<double>();
   return std::sqrt(values.cwiseAbs2().dot(agrees) / std::max(agrees.sum(), 1.0));

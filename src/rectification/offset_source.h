@@ -10,25 +10,26 @@
 
 namespace cbmv {
 
-/// What is known of how far the rows of the images are apart.
+/// The measured residual vertical offset of a stream or a pair.
 struct RectificationState {
   bool is_watched = false;                ///< false: nothing measures it
   VerticalOffsetMeasurement measurement;  ///< the newest; matches = 0: none yet
-  double age_s = 0;                       ///< since the pair that was measured came
+  double age_s = 0;                       ///< time since the measured pair arrived
 };
 
-/// Says which vertical offset is removed from a pair before it is matched. One pair at a time.
+/// Gives the rectification correction that is applied to a pair before matching. Processes one pair
+/// at a time.
 class OffsetSource {
  public:
   virtual ~OffsetSource() = default;
-  /// `range` and `options` are those that the pair is matched with.
+  /// `range` and `options` are those used for matching the pair.
   virtual VerticalOffset offsetOf(const GrayPair& images, const DisparityRange& range,
                                   const RectificationOptions& options) = 0;
-  /// As of the newest pair.
+  /// The state after the newest pair.
   virtual RectificationState state() const { return {}; }
 };
 
-/// The offset is known, for example from a pair of the same second.
+/// A given offset, for example from a pair of the same second.
 class GivenOffset : public OffsetSource {
  public:
   explicit GivenOffset(const VerticalOffset& offset) : offset_(offset) {}
@@ -39,15 +40,15 @@ class GivenOffset : public OffsetSource {
   VerticalOffset offset_;
 };
 
-/// The offset is estimated from each pair itself; zero where options.enabled is false.
+/// Estimates the offset from each pair. Zero if options.enabled is false.
 class OwnOffset : public OffsetSource {
  public:
   VerticalOffset offsetOf(const GrayPair& images, const DisparityRange& range,
                           const RectificationOptions& options) override;
 };
 
-/// The offset of a live stream, which a RectificationTracker follows in the background. Begins anew
-/// when the options or the size of the images change.
+/// Offset of a live stream, which a RectificationTracker follows in the background. Starts again
+/// when the options or the image size change.
 class FollowedOffset : public OffsetSource {
  public:
   VerticalOffset offsetOf(const GrayPair& images, const DisparityRange& range,

@@ -12,13 +12,13 @@
 namespace cbmv {
 namespace {
 
-/// A place in the right image relative to a corner of the left one.
+/// Position in the right image relative to a corner of the left image.
 struct Displacement {
   double disparity;  ///< px
   double dy;         ///< px
 };
 
-/// Finds corners in the right image at half resolution by zero-mean normalised cross-correlation.
+/// Finds corners in the right image at half resolution by zero-mean normalized cross-correlation.
 class CoarseSearch {
  public:
   CoarseSearch(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
@@ -28,7 +28,7 @@ class CoarseSearch {
         min_disparity_(static_cast<int>(std::floor(range.min / 2.0))),
         max_disparity_(static_cast<int>(std::ceil(range.max() / 2.0))),
         max_dy_(static_cast<int>(std::ceil(max_offset_px / 2.0))) {
-    // Sum over the window of (value − mean)².
+    // Σ (value − mean)² over the window.
     const cv::Size window(kSide, kSide);
     cv::Mat mean;
     cv::boxFilter(right_, mean, CV_32F, window);
@@ -65,9 +65,11 @@ class CoarseSearch {
   static constexpr int kRadius = 4;
   static constexpr int kSide = 2 * kRadius + 1;
   static constexpr float kMinCorrelation = 0.8F;
-  static constexpr float kMinEnergy = 4.0F * kSide * kSide;  // 2 grey levels of deviation
-  /// Of the dissimilarities of the best place and any other, at most. Dissimilarity is
-  /// 1 − correlation, and a little more so that two perfect places are alike.
+  // standard deviation of the intensities: 2 gray levels
+  static constexpr float kMinEnergy = 4.0F * kSide * kSide;
+  /// Largest ratio between the dissimilarity of the best position and that of any other.
+  /// Dissimilarity is 1 − correlation plus a small constant, so that two perfect positions count as
+  /// equal.
   static constexpr double kMaxRatio = 0.6;
   static constexpr double kDissimilarityFloor = 0.01;
 
@@ -83,7 +85,7 @@ class CoarseSearch {
            center.y < image.rows - kRadius;
   }
 
-  /// Window of the left image, zero mean and unit length; none where there is no texture.
+  /// Window of the left image with zero mean and unit length. None if it has no texture.
   std::optional<cv::Matx<float, kSide, kSide>> normalizedPatch(const cv::Point& center) const {
     cv::Matx<float, kSide, kSide> patch;
     left_(cv::Rect(center.x - kRadius, center.y - kRadius, kSide, kSide)).copyTo(patch);
@@ -95,7 +97,7 @@ class CoarseSearch {
     return patch * (1.0 / length);
   }
 
-  /// Correlation of `patch` with the windows of row y whose centre columns start at `first`.
+  /// Correlates `patch` with the windows of row y whose center columns start at `first`.
   void correlate(const cv::Matx<float, kSide, kSide>& patch, int y, int first,
                  cv::Mat scores) const {
     float* const score = scores.ptr<float>();
@@ -122,7 +124,7 @@ class CoarseSearch {
     if (best_score < kMinCorrelation) {
       return std::nullopt;
     }
-    // The neighbours belong to the same peak.
+    // The neighbors belong to the same peak.
     const cv::Rect peak(best.x - 2, best.y - 2, 5, 5);
     scores(peak & cv::Rect(0, 0, scores.cols, scores.rows)).setTo(-1.0);
     double second_score = 0.0;
@@ -142,7 +144,7 @@ class CoarseSearch {
   int max_dy_;
 };
 
-/// Linear interpolation at one place of several images of one size.
+/// Bilinear interpolation at one position in several images of one size.
 class Sampler {
  public:
   Sampler(float x, float y)
@@ -166,8 +168,8 @@ class Sampler {
 /// Aligns a patch of the left image with the right image by Gauss-Newton iterations.
 ///
 /// Unknowns: change of column, change of column per column and per row (a slanted surface), change
-/// of row, and gain and offset of the brightness. Without the slant, dy would be biased wherever
-/// the texture runs obliquely.
+/// of row, and gain and offset of the brightness. Without the slant, dy would be biased for oblique
+/// texture.
 class PatchAlignment {
  public:
   PatchAlignment(const cv::Mat& left, const cv::Mat& right)
@@ -210,12 +212,12 @@ class PatchAlignment {
 
   static constexpr int kRadius = 6;
   static constexpr int kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
-  static constexpr double kSmoothing = 1.0;  // px; against aliasing and bias of interpolation
+  static constexpr double kSmoothing = 1.0;  // px; reduces aliasing and interpolation bias
   static constexpr int kMaxIterations = 15;
-  static constexpr double kConverged = 0.005;     // px
-  static constexpr double kMaxMove = 2.5;         // px, a pixel of half resolution and some
-  static constexpr double kMaxSlant = 0.5;        // px of disparity a column or a row
-  static constexpr double kMaxUnexplained = 0.2;  // part of the patch's variance
+  static constexpr double kConverged = 0.005;  // px
+  static constexpr double kMaxMove = 2.5;   // px, slightly more than one pixel of half resolution
+  static constexpr double kMaxSlant = 0.5;  // px of disparity per column or per row
+  static constexpr double kMaxUnexplained = 0.2;  // fraction of the variance of the patch
   static constexpr double kMaxSigma = 0.1;        // px
 
   struct Linearization {
@@ -230,19 +232,19 @@ class PatchAlignment {
     return real;
   }
 
-  /// Whether a window about (x, y) has a margin for interpolation.
+  /// Returns whether a window around (x, y) has a margin for interpolation.
   static bool isInside(double x, double y, const cv::Mat& image) {
     const double margin = kRadius + 1;
     return x >= margin && y >= margin && x < image.cols - 1 - margin && y < image.rows - 1 - margin;
   }
 
-  /// Written so that NaN, from a window without texture, is not.
+  /// Returns false for NaN, the result for a window without texture.
   static bool isPlausible(const Vector6& unknowns, const Displacement& start) {
     return std::abs(unknowns[0]) <= kMaxMove && std::abs(unknowns[3] - start.dy) <= kMaxMove &&
            std::abs(unknowns[1]) <= kMaxSlant && std::abs(unknowns[2]) <= kMaxSlant;
   }
 
-  /// False when the window leaves the right image.
+  /// Returns false if the window leaves the right image.
   bool linearize(const cv::Point& corner, double disparity, const Vector6& unknowns,
                  Linearization& linear) const {
     const double slack = kRadius * (std::abs(unknowns[1]) + std::abs(unknowns[2]));
@@ -266,7 +268,7 @@ class PatchAlignment {
     return true;
   }
 
-  /// Whether the right image explains the patch and fixes its row.
+  /// Returns whether the right image explains the patch and determines its row.
   static bool isAccepted(const Linearization& linear, const Eigen::LDLT<Matrix6>& solver) {
     const auto brightness = linear.jacobian.col(4).cast<double>();
     const double energy = (brightness.array() - brightness.mean()).square().sum();
@@ -282,7 +284,7 @@ class PatchAlignment {
 };
 
 std::vector<cv::Point2f> spreadCorners(const cv::Mat& image, int count) {
-  constexpr double quality = 0.002;  // of the strongest corner
+  constexpr double quality = 0.002;  // relative to the strongest corner
   constexpr int window = 7;
   const double spacing = 0.6 * std::sqrt(static_cast<double>(image.total()) / count);
   std::vector<cv::Point2f> corners;

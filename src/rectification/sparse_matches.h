@@ -8,10 +8,10 @@
 
 namespace cbmv {
 
-/// Throws Error unless the images have one size and are CV_8UC1.
+/// Throws Error unless both images have the same size and are CV_8UC1.
 void requireGreyPair(const cv::Mat& left, const cv::Mat& right);
 
-/// Matches of corners that are spread over the left image; most of them right, some wrong.
+/// Matches corners that are spread over the left image. Most matches are right, some are wrong.
 std::vector<SparseMatch> findSparseMatches(const cv::Mat& left, const cv::Mat& right,
                                            const DisparityRange& range,
                                            const RectificationOptions& options);

@@ -56,8 +56,8 @@ void RectificationTracker::resetLocked() {
   ++generation_;
 }
 
-/// One thread for all estimates: OpenCV keeps 800 bytes of each thread that it was ever called
-/// from.
+/// Uses one thread for all estimates, because OpenCV keeps 800 bytes for each thread that ever
+/// called it.
 void RectificationTracker::start(Pair pair) {
   try {
     if (!worker_) {
@@ -66,9 +66,10 @@ void RectificationTracker::start(Pair pair) {
     pair.left = pair.left.clone();
     pair.right = pair.right.clone();
     worker_->submit(std::move(pair));
-    is_running_ = true;  // it cannot have finished: that takes the mutex
+    // safe: the estimate cannot have finished, because finish() needs the mutex
+    is_running_ = true;
   } catch (const std::exception&) {
-    return;  // no memory or no thread: the next pair may do better
+    return;  // no memory or no thread: the next pair tries again
   }
 }
 
@@ -77,7 +78,7 @@ void RectificationTracker::estimate(const Pair& pair) {
   try {
     measurement = {measureVerticalOffset(pair.left, pair.right, pair.range, options_), pair.time_s};
   } catch (const std::exception&) {
-    measurement = {};  // out of memory, at worst: the next pair may do better
+    measurement = {};  // out of memory, for example: the next pair tries again
   }
   finish(measurement, pair.generation);
 }

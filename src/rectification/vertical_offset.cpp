@@ -14,14 +14,14 @@
 namespace cbmv {
 namespace {
 
-constexpr int kMinSide = 32;            // px; smaller images hold no matches worth a fit
-constexpr double kMaxResidual = 0.5;    // px; matches that scatter more tell nothing
-constexpr double kMinConsistent = 0.5;  // part of the matches that must agree with the model
+constexpr int kMinSide = 32;            // px; smaller images have too few matches for a fit
+constexpr double kMaxResidual = 0.5;    // px; matches that scatter more are not usable
+constexpr double kMinConsistent = 0.5;  // fraction of the matches that must agree with the model
 
-constexpr int kSteps = 32;             // places between two rows
-constexpr int kWeightUnits = 1 << 15;  // what the weights of a place add up to
+constexpr int kSteps = 32;             // positions between two rows
+constexpr int kWeightUnits = 1 << 15;  // sum of the weights at a position
 
-/// Weights of the rows −1, 0, 1 and 2 from the one above, by place.
+/// Weights of the rows −1, 0, 1 and 2 relative to the row above the position, for each position.
 using CubicWeights = std::array<std::array<int, 4>, kSteps>;
 
 CubicWeights cubicWeights() {
@@ -40,7 +40,8 @@ CubicWeights cubicWeights() {
   return weights;
 }
 
-/// Some columns of a row of the result, all from the same place in `image`: row place / kSteps.
+/// Resamples some columns of a row of the result, all from the same position in `image`: row place
+/// / kSteps.
 void resampleColumns(const cv::Mat& image, const cv::Range& columns, int place,
                      const CubicWeights& weights, std::uint8_t* out) {
   const int step = place & (kSteps - 1);
@@ -57,7 +58,8 @@ void resampleColumns(const cv::Mat& image, const cv::Range& columns, int place,
   }
 }
 
-/// Row y of the aligned image: the offset changes slowly, so that runs of columns share a place.
+/// Resamples row y of the aligned image. The offset changes slowly, so runs of columns share a
+/// position.
 void alignRow(const cv::Mat& right, int y, const VerticalOffset& model, const CubicWeights& weights,
               std::uint8_t* out) {
   const auto place_of = [&](int x) {
