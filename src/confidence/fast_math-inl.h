@@ -1,7 +1,7 @@
-// exp and log of vectors, the same to the last bit on every machine: no fused multiply-add, no
-// approximate reciprocal. As exact as the features need, which become one of 256 codes: relative
-// error of exp2 below 8e-5, absolute error of log below 1.1e-5 and an ulp. Included once per
-// instruction set.
+// exp2 and log of vectors. Results are bit-identical on every machine: no fused multiply-add, no
+// approximate reciprocal. The accuracy is sufficient for features, which become one of 256 codes:
+// the relative error of exp2 is below 8e-5, the absolute error of log is below 1.1e-5 plus one ulp.
+// Included once per instruction set.
 #if defined(CBMV_FAST_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_FAST_MATH_INL_H
 #undef CBMV_FAST_MATH_INL_H
@@ -24,7 +24,8 @@ HWY_INLINE V plusTimes(D d, float first, V x, V rest) {
   return hn::Add(hn::Set(d, first), hn::Mul(x, rest));
 }
 
-/// Added to a number from −2²² to 2²², rounds it to a whole one and leaves that in the low bits.
+/// Adding this constant to a number from −2²² to 2²² rounds it to an integer, which is then in the
+/// low bits.
 constexpr float kUnitIsLowestBit = 0x1.8p23F;
 
 /// 2^x for x ≤ 0; below −126 the result is 2^−126.
@@ -36,7 +37,7 @@ HWY_INLINE V exp2OfNegative(D d, V x) {
   const V exponent = hn::Max(x, hn::Set(d, -126.0F));
   const V shifted = hn::Add(exponent, magic);
   const V t = hn::Sub(exponent, hn::Sub(shifted, magic));  // in [−1/2, 1/2]
-  V power = hn::Set(d, 0.05517167F);                       // of least relative error
+  V power = hn::Set(d, 0.05517167F);                       // least relative error
   for (const float coefficient : {0.24261114F, 0.69326097F, 0.99992806F}) {
     power = plusTimes(d, coefficient, t, power);
   }
@@ -57,7 +58,7 @@ HWY_INLINE V logOfPositive(D d, V x) {
       hn::ShiftRight<23>(hn::Sub(bits, hn::Set(integer, kBitsOfOne - kTwoThirdsOfMantissa)));
   const V mantissa = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
   const V t = hn::Sub(mantissa, hn::Set(d, 1.0F));  // in [−1/3, 1/3]
-  V series = hn::Set(d, 0.23482452F);               // log(1 + t) / t, of least absolute error
+  V series = hn::Set(d, 0.23482452F);               // log(1 + t) / t, least absolute error
   for (const float coefficient : {-0.27846855F, 0.3310864F, -0.49898756F, 1.0000343F}) {
     series = plusTimes(d, coefficient, t, series);
   }

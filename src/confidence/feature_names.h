@@ -6,7 +6,7 @@
 
 namespace cbmv {
 
-/// Names of the features, in the order of featureIndex, for files.
+/// Names of the features in files, in the order of featureIndex.
 constexpr std::array<const char*, kFeatureCount> kFeatureNames = {
     "census_cost",
     "census_log_ratio_low",

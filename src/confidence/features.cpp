@@ -31,7 +31,8 @@ HWY_INLINE void forTile(const F& f) {
   }
 }
 
-/// Vector of costs in the unit of the matcher's constants, which is 1 but for some 16-bit costs.
+/// Loads a vector of costs in the unit of the matcher's constants. The unit is 1 except for some
+/// 16-bit costs.
 template <class D, typename Cost>
 HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, [[maybe_unused]] float unit) {
   if constexpr (std::is_same_v<Cost, float>) {
@@ -43,8 +44,8 @@ HWY_INLINE hn::Vec<D> loadCosts(D tag, const Cost* costs, [[maybe_unused]] float
   }
 }
 
-/// Calls f(tag, k, done) with vectors of columns of an entry that cover those inside of both images
-/// and nothing else, as forLanes does.
+/// Calls f(tag, k, done) with vectors that cover exactly the columns of an entry inside of both
+/// images. For `done` see forLanes.
 template <class F>
 HWY_INLINE void forInside(const RowEntries::Entry& entry, const F& f) {
   if (entry.isWhole()) {
@@ -54,10 +55,10 @@ HWY_INLINE void forInside(const RowEntries::Entry& entry, const F& f) {
   }
 }
 
-/// The costs of a row, place by place.
+/// The costs of a row, in the order of the places.
 template <typename Cost>
 struct Costs {
-  const Cost* costs;  ///< of the first place
+  const Cost* costs;  ///< at the first place
   const RowEntries::Entry* entries;
   int count;
   MatcherConstants constants;
@@ -69,7 +70,7 @@ Costs<Cost> costsAt(const CostRow<Cost>& costs, const RowEntries& entries, const
   return {costs.entry(places.begin), entries.entries() + places.begin, places.count(), constants};
 }
 
-/// c_min of both views.
+/// Computes c_min of both views.
 template <typename Cost>
 void findLowestCosts(const Costs<Cost>& row, float* left_lowest, float* right_lowest) {
   const float unit = row.constants.cost_unit;
@@ -87,14 +88,14 @@ void findLowestCosts(const Costs<Cost>& row, float* left_lowest, float* right_lo
   }
 }
 
-/// (C − c_min)² · factor; −1 / 2σ² gives the logarithm of the likelihood.
+/// (C − c_min)² · factor. With the factor −1 / 2σ², it is the logarithm of the likelihood.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V scaledSquare(D tag, V cost, const float* lowest, float factor) {
   const V difference = hn::Sub(cost, hn::LoadU(tag, lowest));
   return hn::Mul(hn::Mul(difference, difference), hn::Set(tag, factor));
 }
 
-/// Adds 2^value to the lanes of `sums` behind the first `done`.
+/// Adds 2^value to the lanes of `sums`, except the first `done`.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
   const V before = hn::LoadU(tag, sums);
@@ -105,7 +106,7 @@ HWY_INLINE void addExp2(D tag, V value, int done, float* sums) {
   hn::StoreU(after, tag, sums);
 }
 
-/// Σ exp(−(C − c_min)² / 2σ²) of both views.
+/// Computes Σ exp(−(C − c_min)² / 2σ²) of both views.
 template <typename Cost>
 void sumLikelihoods(const Costs<Cost>& row, const float* left_lowest, const float* right_lowest,
                     float* left_sum, float* right_sum) {
@@ -158,7 +159,8 @@ void fillTerms(const CostRowPointer& costs, const RowEntries& entries, int width
   takeLogarithms(width, constants.epsilon, terms.right);
 }
 
-/// Calls f(tag, i) with vectors of all hypotheses of `count` places, i of which stand before.
+/// Calls f(tag, i) with vectors that cover all hypotheses of `count` places. i is the index of the
+/// first hypothesis of a vector.
 template <class F>
 HWY_INLINE void forHypotheses(int count, const F& f) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
@@ -167,8 +169,8 @@ HWY_INLINE void forHypotheses(int count, const F& f) {
   }
 }
 
-/// Calls f(tag, i, left, right) with vectors of all hypotheses, i of which stand before, and the
-/// numbers of the pixels that they match.
+/// Calls f(tag, i, left, right) with vectors that cover all hypotheses. i is the index of the first
+/// hypothesis of a vector. left and right are the indices of its pixels in PixelTerms.
 template <typename Cost, class F>
 HWY_INLINE void forMatches(const Costs<Cost>& block, const F& f) {
   const RowEntries::Entry* entries = block.entries;
@@ -181,7 +183,7 @@ HWY_INLINE void forMatches(const Costs<Cost>& block, const F& f) {
   }
 }
 
-/// Passes vectors of kCost and keeps log(C + ε).
+/// Passes vectors of kCost to `sink` and stores log(C + ε).
 template <typename Cost, class Sink>
 HWY_INLINE void passCosts(const Costs<Cost>& block, float* log_costs, const Sink& sink) {
   const MatcherConstants c = block.constants;
@@ -233,8 +235,9 @@ HWY_INLINE void passLikelihoods(const Costs<Cost>& block, const RowTerms& terms,
 }
 
 /// Passes vectors of features of at most CodeBlock::kPlaces places to `sink(tag, feature, i,
-/// values)`; i hypotheses stand before them. One short loop a kind of feature: in a long one, each
-/// vector waits for a long chain of instructions, and too few vectors are under way at once.
+/// values)`. i is the index of the first hypothesis of a vector. Uses one short loop per kind of
+/// feature: in a long loop, each vector waits for a long chain of instructions, and too few vectors
+/// are processed in parallel.
 template <class Sink>
 HWY_INLINE void forFeatures(const CostRowPointer& costs, const RowTerms& terms,
                             const RowEntries& entries, const PlaceSpan& places,
@@ -262,15 +265,15 @@ void writeFeatures(const CostRowPointer& costs, const RowTerms& terms, const Row
   }
 }
 
-/// Stores the codes of values, plus kShift (0 or 128) modulo 256.
+/// Stores the codes of the values, plus kShift (0 or 128) modulo 256.
 template <unsigned kShift, class D, class V = hn::Vec<D>>
 HWY_INLINE void storeCodes(D tag, V values, const CodeMap& map, std::uint8_t* codes) {
   const V code = hn::Add(hn::Mul(hn::Set(tag, map.scale), values), hn::Set(tag, map.offset));
   const V positive = hn::Max(code, hn::Zero(tag));
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
   if constexpr (hn::MaxLanes(tag) == 16) {
-    const __m512i whole = _mm512_cvttps_epi32(positive.raw);  // 2³¹ where it does not fit
-    const __m128i bytes = _mm512_cvtusepi32_epi8(whole);      // cut to 255
+    const __m512i whole = _mm512_cvttps_epi32(positive.raw);  // 2³¹ if it does not fit
+    const __m128i bytes = _mm512_cvtusepi32_epi8(whole);      // saturated to 255
     const __m128i shift = _mm_set1_epi8(static_cast<char>(kShift));
     _mm_storeu_si128(reinterpret_cast<__m128i*>(codes), _mm_xor_si128(bytes, shift));
     return;
@@ -315,7 +318,7 @@ HWY_EXPORT(writeFeatures);
 HWY_EXPORT(writeCodes);
 HWY_EXPORT(quantizeValues);
 
-/// Numbers of the columns of an image that is `width` wide and of all entries that reach into it.
+/// Number of terms for an image row: its columns plus those of entries that extend beyond it.
 std::size_t termsOfRow(int width) {
   return static_cast<std::size_t>(PixelTerms::kBefore) + width + kTileColumns;
 }

@@ -12,27 +12,27 @@
 namespace cbmv {
 
 /// The features of one matcher. Each confidence is computed in both matching directions (Batsos et
-/// al. 2018, section 3.2); the forest sees the lower and the higher of the two, so that swapping
-/// left and right cannot change its answer. A forest sees only the order of a feature's values, so
-/// each stands in a domain where it is cheap to compute:
+/// al. 2018, section 3.2). The forest uses the lower and the higher of the two, so its result does
+/// not change if left and right are swapped. A forest depends only on the order of the values of a
+/// feature, so each feature has a form that is cheap to compute:
 ///   kCost              C for census, log(C + ε) for the others
 ///   kRatioLow, -High   log R = log(c_min + ε) − log(C + ε)
 ///   kLikelihoodLow, -High   log L = −(C − c_min)² / 2σ² − log Σ_i exp(−(C_i − c_min)² / 2σ²)
-/// where c_min and the sum run over all hypotheses of the search space of the left pixel,
-/// respectively of the right one, whose match lies inside of the other image.
+/// c_min and the sum are over all hypotheses of the search space of the left pixel (or of the right
+/// pixel) whose match is inside of the other image.
 enum Feature { kCost, kRatioLow, kRatioHigh, kLikelihoodLow, kLikelihoodHigh };
 constexpr int kFeaturesPerMatcher = 5;
 constexpr int kFeatureCount = kMatcherCount * kFeaturesPerMatcher;
 
-/// Number of a matcher's feature among all: matcher · 5 + feature.
+/// Index of a matcher's feature among all features: matcher · 5 + feature.
 constexpr int featureIndex(int matcher, int feature) {
   return matcher * kFeaturesPerMatcher + feature;
 }
 
-/// Constants of the confidences of one matcher (ibid.).
+/// Constants for the features of one matcher (Batsos et al. 2018, section 3.2).
 struct MatcherConstants {
-  float cost_unit;          ///< what 1 in a CostRow stands for
-  float epsilon;            ///< ε of the ratio: keeps C + ε positive
+  float cost_unit;          ///< cost of 1 in a CostRow
+  float epsilon;            ///< ε of the ratio; keeps C + ε positive
   float two_sigma_squared;  ///< 2σ² of the likelihood, in squared units of the cost
   bool logarithmic_cost;    ///< kCost is log(C + ε)
 };
@@ -43,8 +43,8 @@ constexpr std::array<MatcherConstants, kMatcherCount> kMatcherConstants = {{
     {1.0F, 0.01F, 20000.0F, true},                                      // Sobel SAD
 }};
 
-/// What the confidences need of a pixel of one view, for one matcher; a value a column. Column x
-/// has the number kBefore + x: entries that lie partly outside of an image reach beyond its
+/// Terms of the features per pixel of one view, for one matcher: one value per column. Column x has
+/// the index kBefore + x, because entries that are partly outside of an image extend beyond its
 /// columns.
 struct PixelTerms {
   static constexpr int kBefore = kTileColumns;
@@ -56,56 +56,55 @@ struct PixelTerms {
 
   /// Makes room for `width` columns.
   void reserve(int width);
-  /// No hypothesis yet.
+  /// Resets to pixels without a hypothesis.
   void reset(int width);
 };
 
-/// Terms of all pixels of a row in both views. Columns without any hypothesis, and those outside of
-/// the image, hold unspecified values.
+/// Terms of all pixels of a row in both views. Columns without a hypothesis and columns outside of
+/// the image have unspecified values.
 struct RowTerms {
   PixelTerms left;
   PixelTerms right;
 };
 
-/// Computes `terms` of one matcher from its costs of a row of `width` columns.
+/// Computes the `terms` of one matcher from its costs of a row of `width` columns.
 void computeRowTerms(const CostRowPointer& costs, const RowEntries& entries, int width,
                      const MatcherConstants& constants, RowTerms& terms);
 
-/// The features of one matcher at some places: `values[feature]` points to a value for every column
-/// of their entries, [place − places.begin][column of the tile]. Columns outside of one of the
-/// images hold unspecified values.
+/// Features of one matcher at some places. `values[feature]` points to one value per column of
+/// their entries: [place − places.begin][column of the tile]. Columns outside of one of the images
+/// have unspecified values.
 using FeatureLines = std::array<float*, kFeaturesPerMatcher>;
 void computeFeatures(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
                      const PlaceSpan& places, const MatcherConstants& constants,
                      const FeatureLines& values);
 
-/// Linear map of a feature to codes 0 … 255 (values beyond are cut off):
-/// code = ⌊scale · value + offset⌋.
+/// Linear map from a feature to a code: code = ⌊scale · value + offset⌋, clamped to 0 … 255.
 struct CodeMap {
   float scale = 1;
   float offset = 0;
 };
 
-/// The maps of all features. Low and high of a confidence share one map.
+/// The maps of all features. The low and the high feature of a confidence have the same map.
 struct FeatureQuantizer {
   std::array<CodeMap, kFeatureCount> maps;
 };
 
-/// Codes of `count` values.
+/// Computes the codes of `count` values.
 void quantize(const CodeMap& map, const float* values, int count, std::uint8_t* codes);
 
-/// Codes of the features of some hypotheses, as the forest takes them: few enough for the
-/// first-level cache, and minus 128, since signed bytes compare fastest.
+/// Codes of the features of some hypotheses, in the layout for the forest. A block fits into the
+/// first-level cache. Codes are stored minus 128, because signed bytes compare fastest.
 struct CodeBlock {
   static constexpr int kPlaces = 16;
   static constexpr int kHypotheses = kPlaces * kTileColumns;
   using Line = std::array<std::int8_t, kHypotheses>;
 
-  alignas(64) std::array<Line, kFeatureCount> lines;  ///< by feature
+  alignas(64) std::array<Line, kFeatureCount> lines;  ///< per feature
 };
 
-/// The codes of what computeFeatures computes, without the way through memory; of at most
-/// CodeBlock::kPlaces places. `maps` and `lines` are the kFeaturesPerMatcher ones of the matcher.
+/// Computes the codes of the features without storing the features, for at most CodeBlock::kPlaces
+/// places. `maps` and `lines` are the kFeaturesPerMatcher ones of the matcher.
 void computeCodes(const CostRowPointer& costs, const RowTerms& terms, const RowEntries& entries,
                   const PlaceSpan& places, const MatcherConstants& constants, const CodeMap* maps,
                   CodeBlock::Line* lines);

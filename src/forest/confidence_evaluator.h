@@ -8,7 +8,7 @@
 
 namespace cbmv {
 
-/// Codes of the features of some queries, as a ConfidenceEvaluator takes them. One per thread.
+/// Feature codes of some queries, the input of ConfidenceEvaluator. One per thread.
 class ConfidenceCodes {
  public:
   static constexpr int kQueries = ObliviousEvaluator::kQueries;
@@ -21,7 +21,7 @@ class ConfidenceCodes {
     codes_.assign(forest.feature_names.size() * kQueries, 0);
   }
 
-  /// One feature of at most kQueries queries, minus 128.
+  /// Codes of one feature for at most kQueries queries, minus 128.
   std::int8_t* line(int feature) {
     return codes_.data() + static_cast<std::ptrdiff_t>(feature) * kQueries;
   }
@@ -31,28 +31,28 @@ class ConfidenceCodes {
   std::vector<std::int8_t, CacheLineAllocator<std::int8_t>> codes_;
 };
 
-/// Applies a confidence forest to codes. Built once from a valid forest, then read by any number of
-/// threads.
+/// Applies a confidence forest to codes. Built once from a valid forest. Thread-safe: any number of
+/// threads may read it.
 class ConfidenceEvaluator {
  public:
   static constexpr int kQueries = ConfidenceCodes::kQueries;
 
   explicit ConfidenceEvaluator(const ConfidenceForest& forest);
 
-  /// The score of each of the first `count` queries, at most kQueries. A higher score is a higher
-  /// probability; scores of one forest can be compared. `scores` has room for kQueries values,
-  /// those behind the first `count` get unspecified ones.
+  /// Computes the scores of the first `count` queries, at most kQueries. A higher score is a higher
+  /// probability. Scores of the same forest are comparable. `scores` has room for kQueries values;
+  /// those after the first `count` become unspecified.
   void score(const ConfidenceCodes& codes, int count, std::uint16_t* scores) const {
     trees_.sumLeaves(0, trees_.trees(), codes.data(), count, scores);
   }
 
-  /// The probability that a score stands for, in [0, 1].
+  /// Converts a score to a probability in [0, 1].
   float probability(std::uint16_t score) const { return probability_of_score_[score]; }
 
-  /// The same in 1/255, rounded.
+  /// Converts a score to a probability in 1/255, rounded.
   std::uint8_t probabilityByte(std::uint16_t score) const { return byte_of_score_[score]; }
 
-  /// Both in one: the probabilities of the first `count` queries, at most kQueries.
+  /// Computes the probabilities of the first `count` queries, at most kQueries.
   void evaluate(const ConfidenceCodes& codes, int count, float* probabilities) const;
 
  private:

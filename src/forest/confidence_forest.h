@@ -10,28 +10,28 @@
 
 namespace cbmv {
 
-/// The probability that a disparity is within 1 px of the truth, from features of the pixel and of
-/// the maps around it, all bytes. The forest knows its features by name; the code that computes
-/// them checks that they are the ones it has (requireFeatures).
+/// Forest for the probability that a disparity is within 1 px of the true disparity. Its features
+/// are of the pixel and of the maps around it; all are bytes. It has the names of its features. The
+/// code that computes the features checks that they are the same (requireFeatures).
 struct ConfidenceForest : ObliviousForest {
   static constexpr int kMaxFeatures = 64;
   // cppcheck-suppress duplInheritedMember  // fewer than other forests have
-  static constexpr int kMaxTrees = 256;            ///< the sum of their leaves fits 16 bits
-  static constexpr int kSigmaConfidenceBins = 10;  ///< of the probability, of equal widths
+  static constexpr int kMaxTrees = 256;            ///< the sum of their leaves fits into 16 bits
+  static constexpr int kSigmaConfidenceBins = 10;  ///< bins of the probability, with equal widths
   static constexpr int kSigmaRoughnessBins = 4;
   static constexpr double kMaxSigmaPx = 10;
-  static constexpr const char* kRoughness = "roughness_5";  ///< the feature of the roughness bins
+  static constexpr const char* kRoughness = "roughness_5";  ///< feature for the roughness bins
 
-  std::vector<std::string> feature_names;  ///< in order; at most kMaxFeatures, all different
-  /// Standard deviation of the disparity in px, in (0, kMaxSigmaPx], of [roughness bin][confidence
-  /// bin], row by row. Empty: there is no such model.
+  std::vector<std::string> feature_names;  ///< in order, at most kMaxFeatures, unique
+  /// Standard deviation of the disparity in px, in (0, kMaxSigmaPx], laid out [roughness
+  /// bin][confidence bin]. Empty: the forest has no model of it.
   std::vector<double> sigma_px;
-  /// Limits between the roughness bins, rising: bin k begins at limit k − 1.
+  /// Ascending bounds between the roughness bins: bin k begins at bound k − 1.
   std::array<std::uint8_t, kSigmaRoughnessBins - 1> sigma_roughness_bounds{};
   TrainingRecord record;  ///< data set, scenes and seed are those of the file
 
   bool hasSigma() const { return !sigma_px.empty(); }
-  /// Bin of a value of kRoughness.
+  /// Bin for a value of the feature kRoughness.
   int roughnessBin(std::uint8_t roughness) const {
     int bin = 0;
     for (const std::uint8_t bound : sigma_roughness_bounds) {
@@ -39,7 +39,7 @@ struct ConfidenceForest : ObliviousForest {
     }
     return bin;
   }
-  /// Number of a bin of sigma_px; `confidence` in 1/255.
+  /// Index into sigma_px. `confidence` is in 1/255.
   static int sigmaBin(int roughness_bin, std::uint8_t confidence) {
     return roughness_bin * kSigmaConfidenceBins + confidence * kSigmaConfidenceBins / 256;
   }
@@ -48,8 +48,8 @@ struct ConfidenceForest : ObliviousForest {
   }
 };
 
-/// Throws Error that names the file of the forest, its stage ("confidence" or "selection") and the
-/// first feature that differs, if the forest has other features, or in another order, than `names`.
+/// Throws Error if the features of the forest are not `names` in this order. The text names the
+/// forest file, the stage ("confidence" or "selection") and the first feature that differs.
 void requireFeatures(const ConfidenceForest& forest, const std::string& stage,
                      const std::vector<std::string>& names, const std::string& file_name);
 

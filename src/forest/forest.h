@@ -15,56 +15,57 @@
 
 namespace cbmv {
 
-/// Where a forest comes from: for people and for `info`; the method does not read it.
+/// Origin of a forest, for users and for `info`. The method does not use it.
 struct ForestProvenance : TrainingRecord {
   std::string program;              ///< name and version of the trainer
   std::string data_set;             ///< kind and name, no paths
-  std::vector<std::string> scenes;  ///< the scenes that were seen in training
+  std::vector<std::string> scenes;  ///< scenes of the training
   std::uint64_t seed = 0;
 };
 
-/// A binary tree in which each node asks its own question about the value of a feature.
+/// A binary decision tree. Each node has its own feature and threshold.
 struct DecisionTree {
   struct Node {
-    float threshold = 0;       ///< in units of the feature; of a leaf: what it adds to the sum
+    float threshold = 0;       ///< in units of the feature; in a leaf: the value of the leaf
     std::uint8_t feature = 0;  ///< in [0, kFeatureCount)
-    /// The node to go on with: where value < threshold, and where value ≥ threshold. Both lie
-    /// behind the node itself; a leaf goes on with itself.
+    /// The next node if value < threshold, and if value ≥ threshold. Both come after the node
+    /// itself. The next node of a leaf is the leaf itself.
     std::array<std::uint32_t, 2> next{};
   };
   static constexpr int kMaxDepth = 128;
 
-  std::vector<Node> nodes;  ///< the root first
+  std::vector<Node> nodes;  ///< root first
 
   bool isLeaf(std::uint32_t n) const { return nodes[n].next[0] == n; }
 };
 
-/// What the bias and the leaves of a forest add up to.
+/// Meaning of the sum of bias and leaves.
 enum class ForestOutput {
   kLogOdds,     ///< logarithm of probability / (1 − probability)
-  kProbability  ///< the probability itself, cut to [0, 1]
+  kProbability  ///< probability, clamped to [0, 1]
 };
 
-/// Probability that a hypothesis is correct, from the sum over all trees. The trees are either
-/// oblivious (codes of features, fast: what the node is made for) or general (feature values, as
-/// random forests and XGBoost have them, slow: for research).
+/// Forest for the probability that a hypothesis is correct, from the sum over all trees. The trees
+/// are either oblivious trees or decision trees. Oblivious trees use codes of features and are
+/// fast; the node is designed for them. Decision trees use feature values, as random forests and
+/// XGBoost do; they are slow and meant for research.
 ///
-/// A file may also hold forests that were trained on the maps of this one: a confidence forest, or
+/// A file may also have forests that were trained on the maps of this one: a confidence forest, or
 /// a confidence forest and a selection forest.
 struct Forest : ObliviousForest {
-  std::string name;                         ///< for messages: the file's name without its folder
+  std::string name;                         ///< for messages: file name without folder
   FeatureQuantizer quantizer;               ///< for the oblivious trees
-  std::vector<DecisionTree> general_trees;  ///< empty unless `trees` is; they share the bias
-  ForestOutput output = ForestOutput::kLogOdds;  ///< of bias and general trees
+  std::vector<DecisionTree> general_trees;  ///< decision trees; empty if `trees` is not; same bias
+  ForestOutput output = ForestOutput::kLogOdds;  ///< meaning of bias and decision trees
   ForestProvenance provenance;
-  /// Of a disparity of the final map. Null: the file has none.
+  /// Confidence of a disparity of the final map. Null: not in the file.
   std::shared_ptr<const ConfidenceForest> confidence;
-  /// Of a disparity that a neighbor proposes. Null: the file has none; always null without
-  /// `confidence`, and without a model of the standard deviation.
+  /// Confidence of a disparity that a neighbor proposes. Null: not in the file. Always null without
+  /// `confidence` and without a model of the standard deviation.
   std::shared_ptr<const ConfidenceForest> selection;
 };
 
-/// One of the further forests of a file.
+/// One of the additional forests of a file.
 struct ConfidenceStage {
   const char* name;
   std::shared_ptr<const ConfidenceForest> Forest::*forest;

@@ -10,21 +10,22 @@
 
 namespace cbmv {
 
-/// Applies a forest to features: oblivious trees to codes, with the widest vectors that the
-/// machine has, general trees to values. Built once from a Forest, then read by any number of
-/// threads. `costs[i]` becomes the matching cost of hypothesis i: 1 − probability, times 255,
-/// rounded (Batsos et al. 2018, section 3.3).
+/// Applies a forest to features: oblivious trees to codes, with the widest vectors of the machine;
+/// decision trees to values. `costs[i]` is the matching cost of hypothesis i: 1 − probability,
+/// times 255, rounded (Batsos et al. 2018, section 3.3). Built once from a Forest. Thread-safe: any
+/// number of threads may read it.
 class ForestEvaluator {
  public:
   explicit ForestEvaluator(const Forest& forest);
 
-  /// The trees are general ones: they want values, not codes.
+  /// Returns true for decision trees, which use values instead of codes.
   bool wantsValues() const { return !walker_.empty(); }
 
-  /// Of the first `count` hypotheses of the block; for oblivious trees.
+  /// Evaluates the first `count` hypotheses of the block. For oblivious trees.
   void evaluate(const CodeBlock& codes, int count, std::uint8_t* costs) const;
 
-  /// `values[f]` points to `count` values of feature f; for general trees.
+  /// Evaluates `count` hypotheses. `values[f]` points to the `count` values of feature f. For
+  /// decision trees.
   void evaluate(const std::array<const float*, kFeatureCount>& values, int count,
                 std::uint8_t* costs) const;
 

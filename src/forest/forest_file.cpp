@@ -17,8 +17,8 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kFormat = "cbmv_stereo forest";
-constexpr int kVersion = 2;             ///< the highest
-constexpr int kVersionOfOneForest = 1;  ///< without further forests; older programs read it
+constexpr int kVersion = 2;             ///< highest supported version
+constexpr int kVersionOfOneForest = 1;  ///< without additional forests; older programs can read it
 constexpr const char* kOblivious = "oblivious";
 constexpr const char* kGeneral = "general";
 constexpr const char* kLogOdds = "log_odds";
@@ -36,7 +36,7 @@ constexpr float kLargestThreshold = 1e30F;
 
 std::string keyOf(const ConfidenceStage& stage) { return std::string(stage.name) + "_forest"; }
 
-/// A fault of a forest that is not the file's only one.
+/// A fault in an additional forest.
 Fault ofStage(const ConfidenceStage& stage, const std::string& fault) {
   return Fault(std::string(stage.name) + " forest: " + fault);
 }
@@ -45,7 +45,7 @@ std::string misplaced(const Json::exception& error) {
   return std::string("has a missing or misplaced entry: ") + error.what();
 }
 
-/// CRC-32 of the text of everything that changes the forest's answers.
+/// CRC-32 of the text of everything that affects the results of the forest.
 std::string checksum(const Json& model) { return crc32Text(model.dump()); }
 
 Json treeToJson(const ObliviousTree& tree) {
@@ -118,7 +118,7 @@ Json modelToJson(const Forest& forest) {
   return model;
 }
 
-/// What was not measured is left out.
+/// Measures that do not exist are not written.
 template <typename Names>
 void addRecord(const TrainingRecord& record, const Names& feature_names, Json& json) {
   json["options"] = record.options;
@@ -217,7 +217,7 @@ void modelFromJson(const Json& model, Forest& forest) {
   }
 }
 
-/// Forests that were written before there were measures have none.
+/// Measures are optional, because older files do not have them.
 template <typename Names>
 void readRecord(const Json& json, const Names& feature_names, TrainingRecord& record) {
   record.options = json.at("options").get<std::string>();
@@ -264,7 +264,7 @@ ConfidenceForest confidenceFromJson(const Json& model, const Json& record) {
   return forest;
 }
 
-/// Those of the further forests that the file has.
+/// Reads the additional forests of the file.
 void stagesFromJson(const Json& model, const Json& provenance, Forest& forest) {
   for (const ConfidenceStage& stage : kConfidenceStages) {
     const std::string key = keyOf(stage);
@@ -344,7 +344,7 @@ Forest forestFromJson(const Json& json) {
   return forest;
 }
 
-/// `fault` is a text; where all is good, no string is made of it.
+/// Builds the message only on error: `fault` is a text, converted to a string if it is thrown.
 template <typename Text>
 void check(bool good, const Text& fault) {
   if (!good) {
@@ -538,7 +538,7 @@ void writeForest(const Forest& forest, const std::string& path) {
                      {"provenance", provenanceToJson(forest)},
                      {"checksum", checksum(model)},
                      {"model", model}};
-  // Indented, the millions of nodes of general trees take more than twice the space.
+  // With indentation, the millions of nodes of decision trees take more than twice the space.
   const std::string text = json.dump(forest.general_trees.empty() ? kIndentation : kOneLine);
   if (text.size() >= static_cast<std::size_t>(kLargestFile)) {
     fail(path, "would have " + std::to_string(text.size() >> 20) +

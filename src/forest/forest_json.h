@@ -12,14 +12,14 @@ namespace cbmv {
 
 using Json = OrderedJson;
 
-/// What is wrong inside of a file, before its name is known.
+/// A fault in the content of a file, thrown where the file name is not known.
 struct Fault : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 inline std::int64_t integerIn(const Json& value, std::int64_t lowest, std::int64_t highest,
                               const std::string& what) {
-  // Not what JSON has beyond 64 bits or behind a point: the conversion of such is undefined.
+  // Rejects numbers beyond 64 bits or with a fraction, whose conversion is undefined.
   const bool is_integer =
       value.is_number_integer() &&
       (!value.is_number_unsigned() ||
@@ -35,7 +35,7 @@ inline std::int64_t integerIn(const Json& value, std::int64_t lowest, std::int64
   return number;
 }
 
-/// Not yet validated: the children of a node may be anywhere.
+/// Does not validate: the indices of the children may be out of range.
 inline DecisionTree::Node innerNode(const Json& feature, const Json& threshold, const Json& low,
                                     const Json& high) {
   const auto child = [](const Json& place) {
@@ -52,7 +52,7 @@ inline DecisionTree::Node leafNode(const Json& value, std::size_t place) {
   return {value.get<float>(), 0, {itself, itself}};
 }
 
-/// A model as XGBoost 1 and later save it as JSON (its `save_model`), trained on the values of our
+/// Reads a model that XGBoost 1 or later saved as JSON (`save_model`), trained on the values of the
 /// features: binary:logistic or reg:squarederror, trees only. Throws Fault or Json::exception.
 Forest forestFromXgboost(const Json& json);
 

@@ -19,14 +19,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
-/// Answers of one level, for the queries at `codes` (of feature 0) and behind.
+/// Evaluates code < threshold for one level. `codes` points to the codes of feature 0.
 HWY_INLINE hn::Mask<Bytes> isBelow(const PackedTree& tree, int level, const std::int8_t* codes) {
   const hn::RebindToSigned<Bytes> signed_bytes;
   const auto code = hn::Load(signed_bytes, codes + tree.lines[level]);
   return hn::RebindMask(Bytes(), hn::Lt(code, hn::Set(signed_bytes, tree.thresholds[level])));
 }
 
-/// Bits 0 … kLevels − 1 of the leaf's number.
+/// Bits 0 … kLevels − 1 of the index of the leaf.
 template <int kLevels>
 HWY_INLINE ByteVector leafNumber(const PackedTree& tree, const std::int8_t* codes) {
   const auto bit = hn::Set(Bytes(), 1U << (kLevels - 1));
@@ -50,7 +50,7 @@ HWY_INLINE ByteVector lookUp128(const std::uint8_t* leaves, ByteVector number) {
                                              hn::LoadU(Bytes(), leaves + 64).raw)};
 }
 
-/// Leaf that each query falls into.
+/// Finds the leaf of each query.
 template <int kDepth>
 HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
   const std::uint8_t* leaves = tree.leaves.data();
@@ -70,7 +70,8 @@ HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes)
 
 #else
 
-/// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
+/// Finds the leaf of each query among the 2^kLevels leaves from `leaves` on: sub-tables of 16
+/// leaves, selected level by level.
 template <int kLevels>
 HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
                                  ByteVector low_bits, const std::uint8_t* leaves) {
@@ -84,7 +85,7 @@ HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* code
   }
 }
 
-/// Leaf that each query falls into.
+/// Finds the leaf of each query.
 template <int kDepth>
 HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes) {
   return selectLeaf<kDepth>(tree, codes, leafNumber<4>(tree, codes), tree.leaves.data());
@@ -107,8 +108,8 @@ HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes)
   }
 }
 
-/// Sums of a vector of queries modulo 2¹⁶. Bytes are added in pairs: `pairs` holds the sums of
-/// the even bytes plus 2⁸ times those of the odd ones, `odd` those of the odd ones.
+/// Sums of a vector of queries modulo 2¹⁶. Bytes are added in pairs: `pairs` has the sums of the
+/// even bytes plus 2⁸ times the sums of the odd bytes; `odd` has the sums of the odd bytes.
 using Sums = hn::Repartition<std::uint16_t, Bytes>;
 using SumVector = hn::Vec<Sums>;
 HWY_INLINE void addLeaf(ByteVector leaf, SumVector& pairs, SumVector& odd) {
@@ -121,7 +122,7 @@ HWY_INLINE void storeSums(SumVector pairs, SumVector odd, std::uint16_t* sums) {
   hn::StoreInterleaved2(hn::Sub(pairs, hn::ShiftLeft<8>(odd)), odd, Sums(), sums);
 }
 
-/// Sums of the leaves of the first `count` queries, two vectors at a time.
+/// Sums the leaves of the first `count` queries, two vectors at a time.
 void sumLeavesOf(const PackedTree* trees, int tree_count, const std::int8_t* codes, int count,
                  std::uint16_t* sums) {
   const int lanes = static_cast<int>(hn::Lanes(Bytes()));

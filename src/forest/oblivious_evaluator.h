@@ -10,37 +10,38 @@
 
 namespace cbmv {
 
-/// An oblivious tree as the vector code wants it: of a size that every tree has, with leaves that
-/// are never negative, and with levels that compare signed bytes, the other way round.
+/// An oblivious tree in the layout for vector code: all trees have the same size, leaves are not
+/// negative, and levels compare signed bytes with "<" instead of "≥".
 struct PackedTree {
   int depth = 0;  ///< at least kLeastDepth
-  /// Where the feature's codes begin in a block of codes.
+  /// Offset of the feature's codes in a block of codes.
   std::array<std::uint32_t, ObliviousForest::kMaxDepth> lines{};
   std::array<std::int8_t, ObliviousForest::kMaxDepth> thresholds{};  ///< minus 128
-  /// Indexed by the answers to "code < threshold", level k in bit k; minus the lowest leaf.
+  /// Indexed by the results of "code < threshold", level k in bit k. The lowest leaf is subtracted.
   std::array<std::uint8_t, 1 << ObliviousForest::kMaxDepth> leaves{};
 
-  /// A table look-up by bytes reads 2⁴ leaves at once; levels that always answer "no" fill up.
+  /// A byte table look-up reads 2⁴ leaves at once. Shallower trees are extended with levels that
+  /// are always false.
   static constexpr int kLeastDepth = 4;
 };
 
-/// Sums of the leaves of oblivious trees over any number of features, with the widest vectors that
-/// the machine has. Built once from a forest, then read by any number of threads.
+/// Sums the leaves of oblivious trees over any number of features, with the widest vectors of the
+/// machine. Built once from a forest. Thread-safe: any number of threads may read it.
 class ObliviousEvaluator {
  public:
-  /// So many trees have a sum of leaves that surely fits 16 bits.
+  /// For this many trees, the sum of the leaves fits into 16 bits.
   static constexpr int kTreesPerSum = 0xffff / 0xff;
-  /// Queries of a block of codes.
+  /// Queries per block of codes.
   static constexpr int kQueries = CodeBlock::kHypotheses;
 
   explicit ObliviousEvaluator(const ObliviousForest& forest);
 
   int trees() const { return static_cast<int>(trees_.size()); }
 
-  /// Sums of the leaves of the trees [first_tree, first_tree + tree_count), at most kTreesPerSum,
-  /// each leaf minus the lowest of its tree. `codes` holds a line of kQueries codes, minus 128, per
+  /// Sums the leaves of the trees [first_tree, first_tree + tree_count), at most kTreesPerSum. The
+  /// lowest leaf of each tree is subtracted. `codes` has one line of kQueries codes, minus 128, per
   /// feature, in the order of the features, and begins at a cache line. `sums` has room for
-  /// kQueries values, those behind the first `count` get unspecified ones.
+  /// kQueries values; those after the first `count` become unspecified.
   void sumLeaves(int first_tree, int tree_count, const std::int8_t* codes, int count,
                  std::uint16_t* sums) const;
 
@@ -58,7 +59,7 @@ class ObliviousEvaluator {
   std::vector<PackedTree> trees_;
   double bias_;
   double leaf_unit_;
-  long lowest_sum_ = 0;  ///< of one leaf of each tree
+  long lowest_sum_ = 0;  ///< of one leaf per tree
   long highest_sum_ = 0;
 };
 

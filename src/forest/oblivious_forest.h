@@ -5,25 +5,25 @@
 
 namespace cbmv {
 
-/// A tree in which all nodes of a level ask the same question: the answers, one bit a level, are
-/// the number of the leaf.
+/// An oblivious tree: all nodes of a level have the same feature and threshold. The results, one
+/// bit per level, are the index of the leaf.
 struct ObliviousTree {
   struct Level {
-    std::uint8_t feature = 0;    ///< below the number of features of the forest
-    std::uint8_t threshold = 0;  ///< the level's bit is set where code ≥ threshold
+    std::uint8_t feature = 0;    ///< smaller than the number of features of the forest
+    std::uint8_t threshold = 0;  ///< bit of the level: code ≥ threshold
   };
-  std::vector<Level> levels;        ///< level k gives bit k of the leaf's number
+  std::vector<Level> levels;        ///< level k gives bit k of the index of the leaf
   std::vector<std::int8_t> leaves;  ///< 2^levels, in units of ObliviousForest::leaf_unit
 };
 
-/// What all forests of oblivious trees have in common, whatever their features. The log-odds of an
-/// answer are bias + leaf_unit · Σ leaves; trees ask for codes 0 … 255 of the features.
+/// Common part of all forests of oblivious trees with any features. The log-odds of a result are
+/// bias + leaf_unit · Σ leaves. Trees use feature codes 0 … 255.
 struct ObliviousForest {
   static constexpr int kMaxDepth = 8;
   static constexpr int kMaxTrees = 1024;
 
   double leaf_unit = 1.0 / 32;  ///< log-odds per unit of a leaf
-  double bias = 0;              ///< log-odds before any tree
+  double bias = 0;              ///< log-odds without trees
   std::vector<ObliviousTree> trees;
 };
 

@@ -9,9 +9,9 @@ namespace {
 
 using ValueLines = std::array<const float*, kFeatureCount>;
 
-constexpr int kAbreast = 16;  // hypotheses that walk side by side
+constexpr int kAbreast = 16;  // hypotheses that traverse a tree together
 
-/// Adds the leaves that the hypotheses [first, first + count), at most kAbreast, fall into.
+/// Adds the leaves of the hypotheses [first, first + count), at most kAbreast.
 void addLeaves(const DecisionTree& tree, const ValueLines& values, int first, int count,
                float* sums) {
   const DecisionTree::Node* nodes = tree.nodes.data();

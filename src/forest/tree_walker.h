@@ -7,9 +7,9 @@
 
 namespace cbmv {
 
-/// Applies the general trees of a forest to rows of feature values: each hypothesis walks down each
-/// tree, a few of them side by side so that their waits for memory overlap. Costs microseconds a
-/// hypothesis where oblivious trees cost nanoseconds.
+/// Applies decision trees to rows of feature values. Several hypotheses traverse a tree together,
+/// so that their memory latencies overlap. Takes microseconds per hypothesis; oblivious trees take
+/// nanoseconds.
 class TreeWalker {
  public:
   explicit TreeWalker(const Forest& forest)
@@ -17,13 +17,13 @@ class TreeWalker {
         bias_(static_cast<float>(forest.bias)),
         output_(forest.output) {}
 
-  /// Hypotheses for which a tree stays in the cache.
+  /// Block size in hypotheses: a tree stays in the cache for a block.
   static constexpr int kBlock = 256;
 
   bool empty() const { return trees_.empty(); }
 
-  /// `values[f]` points to `count` values of feature f, none of them NaN. `probabilities[i]`
-  /// becomes the probability that hypothesis i is correct, in [0, 1].
+  /// `values[f]` points to `count` values of feature f; NaN is not allowed. `probabilities[i]` is
+  /// the probability in [0, 1] that hypothesis i is correct.
   void evaluate(const std::array<const float*, kFeatureCount>& values, int count,
                 float* probabilities) const;
 

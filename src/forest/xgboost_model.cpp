@@ -14,7 +14,7 @@ void require(bool good, const std::string& fault) {
   }
 }
 
-/// XGBoost writes its parameters as text: "5E-1", since version 3 "[5E-1]".
+/// XGBoost writes its parameters as text: "5E-1", or "[5E-1]" from version 3 on.
 double numberIn(const Json& text) {
   const auto number = parseBounded<Json>(text.get<std::string>());
   return (number.is_array() ? number.at(0) : number).get<double>();
@@ -24,7 +24,7 @@ DecisionTree treeFromXgboost(const Json& json) {
   const Json& low = json.at("left_children");
   const Json& high = json.at("right_children");
   const Json& features = json.at("split_indices");
-  const Json& thresholds = json.at("split_conditions");  // of a leaf: its value
+  const Json& thresholds = json.at("split_conditions");  // in a leaf: its value
   if (json.contains("split_type")) {
     for (const Json& type : json["split_type"]) {
       require(integerIn(type, 0, 1, "a tree's split_type") == 0,
@@ -49,7 +49,7 @@ void checkFeatures(const Json& learner) {
           "has other features, or in another order, than cbmv_train --export-samples writes");
 }
 
-/// Output and bias.
+/// Reads the meaning of the output and the bias.
 void readObjective(const Json& learner, Forest& forest) {
   const auto objective = learner.at("objective").at("name").get<std::string>();
   const double base = numberIn(learner.at("learner_model_param").at("base_score"));

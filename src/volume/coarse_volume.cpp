@@ -10,7 +10,7 @@ namespace {
 
 int floorHalf(int value) { return (value - (value & 1)) / 2; }
 
-/// Four neighbouring pixels, each by its hypotheses.
+/// Four neighboring pixels, as pointers to their costs.
 struct Square {
   int mean(int i) const { return (a[i] + b[i] + c[i] + d[i] + 2) / 4; }
 

@@ -10,26 +10,26 @@
 
 namespace cbmv {
 
-/// What scores the hypotheses of a pair; the same for all rows.
+/// Inputs for scoring the hypotheses of a pair, the same for all rows.
 struct Scoring {
   const MatcherSet& matchers;  ///< prepared with the pair
   const Forest& forest;
   const ForestEvaluator& evaluator;
-  MatcherSelection asked;  ///< by the forest
+  MatcherSelection asked;  ///< the matchers that the forest uses
 };
 
-/// Scores the hypotheses of one row at a time: matchers, features, forest. Holds the buffers of a
-/// row; one object per thread.
+/// Scores the hypotheses of one row at a time: matchers, features, forest. Has the buffers of a
+/// row: use one object per thread.
 class RowScorer {
  public:
-  /// Makes room for rows of `width` columns with so many entries, so that `score` allocates
-  /// nothing.
+  /// Makes room for rows of `width` columns with `entries` entries, so that `score` does not
+  /// allocate.
   void reserve(const Scoring& scoring, int width, std::size_t entries) {
     features_.reserve(width, entries, scoring.asked, scoring.evaluator.wantsValues());
   }
 
-  /// Calls store(entry, costs) for the entries of row y, in their order, with the kTileColumns
-  /// costs of each. Hypotheses outside of one of the images have kOutsideCost.
+  /// Calls store(entry, costs) for the entries of row y, in their order. `costs` are the
+  /// kTileColumns costs of an entry. Hypotheses outside of one of the images have kOutsideCost.
   template <typename Store>
   void score(const Scoring& scoring, int y, int width, const RowEntries& entries,
              const Store& store) {

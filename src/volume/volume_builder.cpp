@@ -24,8 +24,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kTile = 16;
 using TileRow = hn::FixedTag<std::uint8_t, kTile>;
 
-/// Transposes 16 × 16 bytes by four perfect shuffles: each interleaves the upper half of the rows
-/// with the lower one.
+/// Transposes 16 × 16 bytes by four perfect shuffles. Each shuffle interleaves the upper half of
+/// the rows with the lower half.
 HWY_INLINE void transposeTile(const std::uint8_t* from, int from_stride, std::uint8_t* to,
                               int to_stride) {
   const TileRow row;
@@ -49,7 +49,7 @@ HWY_INLINE void transposeTile(const std::uint8_t* from, int from_stride, std::ui
   }
 }
 
-/// At least a tile in both directions. The last tiles overlap those before.
+/// Requires at least one tile in both directions. The last tiles overlap the ones before.
 void transposeTiles(const std::uint8_t* from, int rows, int columns, std::uint8_t* to) {
   for (int next_column = 0; next_column < columns; next_column += kTile) {
     const int column = std::min(next_column, columns - kTile);
@@ -72,7 +72,7 @@ namespace {
 
 HWY_EXPORT(transposeTiles);
 
-/// Buffers of one thread for one image row.
+/// Buffers for one image row, per thread.
 struct RowWorkspace {
   RowScorer scorer;
   std::vector<std::uint8_t> costs;  ///< [d][x]
@@ -82,7 +82,7 @@ std::size_t hypothesesOfRow(int width, const DisparityRange& range) {
   return static_cast<std::size_t>(width) * range.count;
 }
 
-/// [row][column] to [column][row]
+/// Transposes [row][column] to [column][row].
 void transpose(const std::uint8_t* from, int rows, int columns, std::uint8_t* to) {
   constexpr int kTile = 16;
   if (rows >= kTile && columns >= kTile) {
@@ -97,7 +97,7 @@ void transpose(const std::uint8_t* from, int rows, int columns, std::uint8_t* to
   }
 }
 
-/// Moves the costs of one disparity from the left pixels to the right ones.
+/// Moves the costs of one disparity from the left pixels to the right pixels.
 void shiftLine(int width, int d, std::uint8_t* line) {
   const ColumnSpan span = matchedColumns(width, d);
   if (span.empty()) {

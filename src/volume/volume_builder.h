@@ -15,12 +15,12 @@
 
 namespace cbmv {
 
-/// The matchers whose features a tree of the forest asks for: the others need not be computed.
+/// The matchers whose features the trees of the forest use. The others need not be computed.
 MatcherSelection askedMatchers(const Forest& forest);
 
-/// Builds the matching volume of a pair: streams the image row by row through the four matchers,
-/// the bidirectional features and the forest. The 20 features of a row exist only while their row
-/// is processed; each thread has its own buffers, kept from frame to frame.
+/// Builds the matching cost volume of a pair. Each image row passes through the four matchers, the
+/// features in both directions and the forest. The 20 features exist only while their row is
+/// processed. Buffers are per thread and kept from frame to frame.
 class VolumeBuilder {
  public:
   VolumeBuilder();
@@ -28,9 +28,9 @@ class VolumeBuilder {
   VolumeBuilder(const VolumeBuilder&) = delete;
   VolumeBuilder& operator=(const VolumeBuilder&) = delete;
 
-  /// `left` and `right` are CV_8UC1 of the same size. `volume` becomes the matching volume of the
-  /// left view (Batsos et al. 2018, section 3.3); hypotheses whose match lies outside of the right
-  /// image hold kOutsideCost. Parallel over rows by oneTBB.
+  /// Sets `volume` to the matching cost volume of the left view (Batsos et al. 2018, section 3.3).
+  /// `left` and `right` are CV_8UC1 of the same size. Hypotheses whose match is outside of the
+  /// right image have kOutsideCost. Parallel over rows by oneTBB.
   void build(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
              const Forest& forest, const ForestEvaluator& evaluator, MatchingVolume& volume);
 
@@ -39,9 +39,9 @@ class VolumeBuilder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Turns the left view's volume into the right view's in place: right(x, d) = left(x + d, d)
-/// (Batsos et al. 2018, section 3.3); kOutsideCost where x + d lies outside of the left image.
-/// `rows` is scratch. Parallel over rows by oneTBB.
+/// Converts the volume of the left view to the right view in place: right(x, d) = left(x + d, d)
+/// (Batsos et al. 2018, section 3.3), or kOutsideCost if x + d is outside of the left image. `rows`
+/// is scratch memory. Parallel over rows by oneTBB.
 void shiftToRightView(const DisparityRange& range, MatchingVolume& volume,
                       PerThread<std::vector<std::uint8_t>>& rows);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWordBits = 64;
 
-/// Right columns that the columns of a left tile match at disparity d, inside of both images.
+/// The right columns that the columns of a left tile match at disparity d, inside of both images.
 ColumnSpan rightColumns(int width, int first, int d) {
   const ColumnSpan inside = matchedColumns(width, d);
   return {std::max(first, inside.begin) - d, std::min(first + kTileColumns, inside.end) - d};
@@ -31,7 +31,7 @@ void WindowedRightView::build(const SearchSpace& left_space,
     row.sets.resize(static_cast<std::size_t>(tiles) * words);
     row.entries.resize(static_cast<std::size_t>(tiles) * range.count);
   });
-  /// Calls use(tile, k, columns) with the entries that match something.
+  /// Calls use(tile, t, k, columns) for the entries that have a match.
   const auto for_entries = [&](int y, const auto& use) {
     for (int t = 0; t < tiles; ++t) {
       const SearchSpace::Tile tile = left_space.tile(y, t);

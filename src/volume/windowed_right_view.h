@@ -8,10 +8,11 @@
 
 namespace cbmv {
 
-/// Turns the left view's volume into the right view's: right(x, d) = left(x + d, d) (Batsos et al.
-/// 2018, section 3.3). A tile of the right view has every disparity at which one of its columns
-/// matches a hypothesis of the left space inside of the left image; where the left space has no
-/// such hypothesis, the cost is kOutsideCost. Holds its memory. Parallel over rows by oneTBB.
+/// Converts the volume of the left view to the right view: right(x, d) = left(x + d, d) (Batsos et
+/// al. 2018, section 3.3). A tile of the right view has every disparity at which one of its columns
+/// matches a hypothesis of the left space inside of the left image. The cost is kOutsideCost where
+/// the left space does not have the hypothesis. The object keeps its memory. Parallel over rows by
+/// oneTBB.
 class WindowedRightView {
  public:
   void build(const SearchSpace& left_space, const WindowedMatchingVolume& left_costs,
@@ -19,8 +20,8 @@ class WindowedRightView {
 
  private:
   struct Row {
-    std::vector<std::uint64_t> sets;    ///< for each right tile, its indices, one bit each
-    std::vector<std::int32_t> entries;  ///< [tile][index]: number in the tile's list
+    std::vector<std::uint64_t> sets;    ///< indices of each right tile, one bit per index
+    std::vector<std::int32_t> entries;  ///< [tile][index]: position in the tile's list
   };
 
   PerThread<Row> rows_;

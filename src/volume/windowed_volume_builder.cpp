@@ -13,7 +13,7 @@
 namespace cbmv {
 namespace {
 
-/// Buffers of one thread.
+/// Buffers per thread.
 struct RowWorkspace {
   RowEntries entries;
   RowScorer scorer;

@@ -9,10 +9,9 @@
 
 namespace cbmv {
 
-/// Builds the matching volume of a pair over a search space, as VolumeBuilder does over the whole
-/// range: costs, features and forest of the hypotheses of the space alone, which are also the only
-/// competitors in both matching directions. Each thread has its own buffers, kept from frame to
-/// frame.
+/// Builds the matching cost volume of a pair over a search space. It works like VolumeBuilder, but
+/// only on the hypotheses of the space: only they have costs, and only they are competitors in both
+/// matching directions. Buffers are per thread and kept from frame to frame.
 class WindowedVolumeBuilder {
  public:
   WindowedVolumeBuilder();
@@ -20,9 +19,9 @@ class WindowedVolumeBuilder {
   WindowedVolumeBuilder(const WindowedVolumeBuilder&) = delete;
   WindowedVolumeBuilder& operator=(const WindowedVolumeBuilder&) = delete;
 
-  /// `left` and `right` are CV_8UC1 of the size of the space. Hypotheses whose match lies outside
-  /// of the right image, and columns beyond the image, hold kOutsideCost. With an exhaustive space
-  /// the costs are those of VolumeBuilder. Parallel over rows by oneTBB.
+  /// `left` and `right` are CV_8UC1 of the size of the space. Hypotheses whose match is outside of
+  /// the right image and columns beyond the image have kOutsideCost. With an exhaustive space, the
+  /// costs are equal to those of VolumeBuilder. Parallel over rows by oneTBB.
   void build(const cv::Mat& left, const cv::Mat& right, const SearchSpace& space,
              const Forest& forest, const ForestEvaluator& evaluator,
              WindowedMatchingVolume& volume);
