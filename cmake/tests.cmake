@@ -39,6 +39,8 @@ if(sanitizers STREQUAL "thread")
   add_test(NAME race_probe_test COMMAND race_probe_test)
   set_tests_properties(race_probe_test PROPERTIES WILL_FAIL TRUE)
 endif()
+# Dependencies that rosdep can install.
+add_test(NAME package_keys_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/package_keys_test.py)
 # What the Python scripts say of wrong arguments.
 add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
 
