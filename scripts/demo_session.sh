@@ -1,6 +1,6 @@
 # Sourced by the scripts that play a real stereo pair through nodes: the pair, a ROS master of their
 # own, and processes that are ended by their number. The callers stand in the root of the repository.
-export PATH=/usr/bin:/bin:$PATH
+. scripts/environment.sh
 
 # Unpacks a package of Debian into a folder without installing it, where it is not installed; prints
 # the folder that has its /usr.

@@ -45,6 +45,15 @@ class Run(ScriptTest):
         self.refuses("run", says="cbmv_match")
 
 
+class TestOn(ScriptTest):
+    def test_wrong_arguments(self):
+        self.refuses("test_on", says="expected bullseye, bookworm or trixie")
+        self.refuses("test_on", "focal", says="the release is 'focal'")
+        self.refuses("test_on", "trixie", "--compiler", says="--compiler has no value")
+        self.refuses("test_on", "trixie", "--only", "build", says="--only is build; expected demo or test")
+        self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none; expected a folder")
+
+
 class Soak(ScriptTest):
     def test_wrong_arguments(self):
         self.refuses("soak", "--size", "640", says="--size is 640; WIDTHxHEIGHT")
