@@ -19,7 +19,7 @@
 namespace cbmv {
 namespace {
 
-/// 2 radius + 1 pixels of a column or a row.
+/// A window of 2 radius + 1 pixels along a column or a row.
 struct Window {
   const float* weights;  ///< by distance from the center
   int radius;
@@ -45,10 +45,10 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kLongestVector>;
 
-/// Means over windows of neighboring pixels: sample(offset) are the disparities `offset` from the
-/// centers, −before ≤ offset ≤ after. Sums up differences to the center, because they are small and
-/// float loses little of them. Infinite disparities are far away from all, themselves included: as
-/// centers they stay what they are.
+/// Means over windows of neighboring pixels. sample(offset) returns the disparities at `offset`
+/// from the centers, −before ≤ offset ≤ after. Sums the differences from the center, because they
+/// are small and lose little precision in float. Infinite disparities differ from all others,
+/// including themselves. As centers, they do not change.
 template <class D, class Sample>
 HWY_INLINE hn::Vec<D> meanOfNear(D tag, const Window& window, int before, int after,
                                  const Sample& sample) {
@@ -67,7 +67,7 @@ HWY_INLINE hn::Vec<D> meanOfNear(D tag, const Window& window, int before, int af
   return hn::IfThenElse(hn::Gt(weight_sum, hn::Zero(tag)), mean, center);
 }
 
-/// Means along the columns at row y, infinite ones in place of invalid ones.
+/// Means along the columns at row y. Invalid disparities become infinite.
 void filterColumns(const cv::Mat& disparity, int y, const Window& window, float invalid,
                    float* means) {
   const int before = std::min(window.radius, y);
@@ -83,7 +83,7 @@ void filterColumns(const cv::Mat& disparity, int y, const Window& window, float 
   });
 }
 
-/// Means along a row, which is infinite beyond its ends, for `radius` pixels and a vector.
+/// Means along a row. `radius` pixels plus a vector beyond both ends are infinite.
 void filterRow(const float* centers, int width, const Window& window, float invalid, float* means) {
   const Floats tag;
   for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(tag))) {
@@ -94,7 +94,8 @@ void filterRow(const float* centers, int width, const Window& window, float inva
   }
 }
 
-/// `between` is the row between both steps, from `radius` pixels before it on; infinite.
+/// `between` is the row between both steps. It begins `radius` pixels before the first column and
+/// is infinite.
 void filterBoth(const cv::Mat& disparity, int y, const Window& window, float invalid,
                 float* between, float* means) {
   filterColumns(disparity, y, window, invalid, between + window.radius);
@@ -115,7 +116,7 @@ HWY_EXPORT(filterBoth);
 constexpr int kMaxRadius = static_cast<int>(3 * kMaxBilateralSigmaPx);
 using Weights = std::array<float, kMaxRadius + 1>;
 
-/// Of either axis, by distance up to the radius: a Gaussian is separable.
+/// Weights along either axis by distance up to the radius: a Gaussian is separable.
 Weights gaussian(float sigma_px, int radius) {
   Weights weights{};
   for (int offset = 0; offset <= radius; ++offset) {

@@ -6,11 +6,11 @@
 
 namespace cbmv {
 
-/// Rows above and below whose values at the left border are taken into account.
+/// Rows above and below that are used at the left border.
 constexpr int kBorderRows = 4;
 
-/// The median of the values of the rows around `row`, the lower one of two. `value_of(row)` is an
-/// optional float; empty where no row has a value.
+/// The median of the values of the rows around `row` (the lower of two middle values).
+/// `value_of(row)` returns an optional float. Empty if no row has a value.
 template <typename ValueOf>
 std::optional<float> medianOfRows(int row, int rows, const ValueOf& value_of) {
   std::array<float, 2 * kBorderRows + 1> values;

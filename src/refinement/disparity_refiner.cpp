@@ -14,7 +14,7 @@
 namespace cbmv {
 namespace {
 
-/// Takes the disparity and half of the confidence from the pixels that failed the check.
+/// Invalidates the pixels that failed the check and halves their confidence.
 void markUnmatched(const RefinedMaps& maps, float invalid) {
   tbb::parallel_for(0, maps.labels.rows, [&](int y) {
     const auto* labels = maps.labels.ptr<std::uint8_t>(y);

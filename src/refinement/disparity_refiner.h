@@ -7,21 +7,20 @@
 
 namespace cbmv {
 
-/// The maps that are refined, all of one size.
+/// The maps that are refined. All have the same size.
 struct RefinedMaps {
-  cv::Mat& disparity;  ///< CV_32FC1, left view; sub-pixel winners become the result
-  cv::Mat&
-      right_disparity;  ///< CV_32FC1, winners of the right view; becomes empty without the check
-  cv::Mat& labels;      ///< becomes CV_8UC1 of Label
-  cv::Mat& confidence;  ///< CV_32FC1; becomes half where the check failed
+  cv::Mat& disparity;        ///< CV_32FC1, left view; in: subpixel winners, out: result
+  cv::Mat& right_disparity;  ///< CV_32FC1, winners of the right view; emptied without the check
+  cv::Mat& labels;           ///< output: CV_8UC1 of Label
+  cv::Mat& confidence;       ///< CV_32FC1; halved where the check fails
 };
 
-/// Refinement of the winners of both views: left-right check, filling, median and bilateral filter.
-/// Filled pixels take sub-pixel disparities from their neighbours. Holds the memory
-/// of the filters, so one object serves one pair at a time. Parallel by oneTBB.
+/// Refines the winners of both views: left-right consistency check, filling, median and bilateral
+/// filter. Filled pixels have subpixel disparities of their neighbors. The object has the memory of
+/// the filters, so it processes one pair at a time. Parallel by oneTBB.
 class DisparityRefiner {
  public:
-  /// `winners` are the left view's, in whole pixels.
+  /// `winners` are the whole-pixel winners of the left view.
   void refine(const cv::Mat& winners, const DisparityRange& range, const RefinementOptions& options,
               const RefinedMaps& maps);
 

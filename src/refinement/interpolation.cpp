@@ -21,27 +21,30 @@ namespace {
 
 constexpr int kDirections = 16;
 constexpr int kQuarter = kDirections / 4;
-/// Of distances aside. The rounding of the slopes moves no pixel of a ray within 2^15 steps.
+/// Fractional bits of the distance along the minor axis. With this many bits, rounding the slopes
+/// does not change any pixel of a ray within 2^15 steps.
 constexpr int kFractionBits = 32;
 
-/// A ray from a pixel, walked in steps of one pixel along the image axis that it is closer to.
+/// A ray from a pixel. It moves in steps of one pixel along the image axis that is closer to its
+/// direction.
 struct Ray {
-  cv::Point along;         ///< that axis
-  cv::Point aside;         ///< the other one
-  std::int64_t slope = 0;  ///< pixels aside a step along, in units of 2^-kFractionBits
+  cv::Point along;         ///< step along that axis
+  cv::Point aside;         ///< step along the other axis
+  std::int64_t slope = 0;  ///< aside per step along, in units of 2^-kFractionBits
 
-  /// Distance aside after some steps, in these units; rounded down, the nearest pixel.
+  /// Distance aside after `steps` steps, in the same units. Rounding it down gives the nearest
+  /// pixel.
   std::int64_t exactAside(int steps) const {
     return (std::int64_t{1} << (kFractionBits - 1)) + steps * slope;
   }
-  /// The pixel after some steps, relative to the first one.
+  /// The pixel after `steps` steps, relative to the first one.
   cv::Point pixel(int steps) const {
     return steps * along + static_cast<int>(exactAside(steps) >> kFractionBits) * aside;
   }
 };
 using Rays = std::array<Ray, kDirections>;
 
-/// The maps that mismatches are filled from and in, row by row.
+/// The maps from which mismatches are filled, and the filled map, row by row.
 struct Maps {
   cv::Size size;
   const std::uint8_t* labels;
@@ -52,8 +55,8 @@ struct Maps {
 
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
-/// The disparity of the nearest match on the ray from `start`, beyond `steps` steps; kUnknown when
-/// it leaves the image without one.
+/// The disparity of the nearest match on the ray from `start` after more than `steps` steps.
+/// kUnknown if the ray leaves the image without a match.
 inline float nearestMatch(const Maps& maps, const cv::Point& start, const Ray& ray, int steps) {
   for (;;) {
     const cv::Point at = start + ray.pixel(++steps);
@@ -83,11 +86,11 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Rays are walked so many steps before anything is asked: walks are short, and a processor that
-/// guesses wrongly which step is the last waits longer than for all of these.
+/// Number of steps between tests for a match. Most rays are short, and a mispredicted branch costs
+/// more than all of these steps.
 constexpr int kStride = 8;
 
-/// Which of the neighbouring pixels have the label?
+/// Lanes of the neighboring pixels that have the label.
 template <class D>
 HWY_INLINE hn::Mask<D> haveLabel(D tag, const std::uint8_t* labels, Label label) {
   const hn::RebindToSigned<D> wide_tag;
@@ -106,9 +109,9 @@ HWY_INLINE void forEachOf(D tag, hn::Mask<D> lanes, const F& f) {
   }
 }
 
-/// Walks the rays of one direction from those of the neighbouring pixels from `start` on that are
-/// `open`. Their lanes of `nearest` become the disparities of the nearest matches, kUnknown where
-/// the ray leaves the image without one.
+/// Follows the rays of one direction from the `open` ones of the neighboring pixels from `start`
+/// on. Sets their lanes of `nearest` to the disparities of the nearest matches, or to kUnknown
+/// where the ray leaves the image without a match.
 template <class D>
 HWY_INLINE void walk(D tag, const Maps& maps, const cv::Point& start, const Ray& ray,
                      hn::Mask<D> open, float* nearest) {
@@ -125,7 +128,7 @@ HWY_INLINE void walk(D tag, const Maps& maps, const cv::Point& start, const Ray&
     std::int64_t exact_aside = ray.exactAside(steps);
     auto met = hn::FirstN(tag, 0);
     auto values = found;
-    for (int i = 0; i < kStride; ++i) {  // backwards: the nearest match comes last
+    for (int i = 0; i < kStride; ++i) {  // backwards: the nearest match overwrites the others
       const std::ptrdiff_t pixel = on_axis + (exact_aside >> kFractionBits) * aside;
       const auto is_match = haveLabel(tag, maps.labels + pixel, kMatch);
       values = hn::IfThenElse(is_match, hn::LoadU(tag, maps.disparity + pixel), values);
@@ -142,8 +145,8 @@ HWY_INLINE void walk(D tag, const Maps& maps, const cv::Point& start, const Ray&
   });
 }
 
-/// Makes the unknown values alternately ∞ and −∞: this leaves the median of the others, the lower
-/// one of two, the eighth of all. Where there are no others it is −∞.
+/// Replaces the unknown values by ∞ and −∞ in turn. Then the eighth of all values is the median of
+/// the known ones (the lower of two middle values), and −∞ if none is known.
 template <class D>
 HWY_INLINE void balanceUnknown(D tag, float* values) {
   const auto unknown = hn::Set(tag, kUnknown);
@@ -156,8 +159,8 @@ HWY_INLINE void balanceUnknown(D tag, float* values) {
   }
 }
 
-/// Of the kDirections values of each lane, the eighth one: the largest of the lower eight, which
-/// are known once both halves are sorted. Reorders the values.
+/// The eighth of the kDirections values of each lane. It is the largest of the lower eight, which
+/// are known when both halves are sorted. Reorders the values.
 template <class D>
 HWY_INLINE hn::Vec<D> eighthOf(D tag, float* values) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(tag));
@@ -172,7 +175,7 @@ HWY_INLINE hn::Vec<D> eighthOf(D tag, float* values) {
   return largest;
 }
 
-/// Fills the mismatches among the neighbouring pixels from `start` on.
+/// Fills the mismatched ones of the neighboring pixels from `start` on.
 template <class D>
 HWY_INLINE void fillVector(D tag, const Maps& maps, const cv::Point& start, const Rays& rays) {
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(start.y) * maps.size.width + start.x;
@@ -229,7 +232,7 @@ void checkMaps(const cv::Mat& labels, const cv::Mat& disparity) {
   CV_Assert(labels.size() == disparity.size());
 }
 
-/// The disparity of the first match of a row; empty without one.
+/// The disparity of the first match of a row. Empty if there is none.
 std::optional<float> firstMatch(const cv::Mat& labels, const cv::Mat& disparity, int y) {
   const auto* row = labels.ptr<std::uint8_t>(y);
   const auto* match = std::find(row, row + labels.cols, kMatch);
@@ -237,7 +240,7 @@ std::optional<float> firstMatch(const cv::Mat& labels, const cv::Mat& disparity,
                                     : std::nullopt;
 }
 
-/// What the strip at the left border is filled with, that has no match to its left.
+/// The value for the strip at the left border, which has no match to its left.
 float disparityOfLeftBorder(const cv::Mat& labels, const cv::Mat& disparity, int y, float invalid) {
   const bool any_match = firstMatch(labels, disparity, y).has_value();
   const auto first_match = [&](int row) { return firstMatch(labels, disparity, row); };
@@ -265,7 +268,7 @@ void fillOcclusionsOfRow(const cv::Mat& labels, int y, float invalid, cv::Mat& d
 
 void fillOcclusions(const cv::Mat& labels, const DisparityRange& range, cv::Mat& disparity) {
   checkMaps(labels, disparity);
-  // Rows can be filled in parallel: of other rows only matches are used, and they are never
+  // Rows can be filled in parallel: only matches are read from other rows, and matches are never
   // written.
   tbb::parallel_for(0, labels.rows,
                     [&](int y) { fillOcclusionsOfRow(labels, y, range.invalid(), disparity); });

@@ -7,8 +7,8 @@
 
 namespace cbmv {
 
-/// The first column from x on that is not labeled kMatch, `width` if there is none. Most are: eight
-/// are looked at at once.
+/// The first column from x on whose label is not kMatch; `width` if there is none. Most labels are
+/// kMatch, so eight are tested at once.
 inline int firstUnmatched(const std::uint8_t* labels, int x, int width) {
   static_assert(kMatch == 0);
   for (std::uint64_t eight = 0; x + 8 <= width; x += 8) {

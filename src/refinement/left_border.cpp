@@ -14,9 +14,10 @@ namespace {
 
 constexpr int kRightColumns = 5;
 constexpr float kTolerancePx = 4;
-constexpr float kFarthestMatch = 1.0F / 16;  // from the right image's border, of the width
+// fraction of the width, from the border of the right image
+constexpr float kFarthestMatch = 1.0F / 16;
 
-/// The last left column that the first right columns of a row match; empty if they match none.
+/// The last left column that the first right columns of a row match. Empty if they have no match.
 std::optional<float> lastMatchedColumn(const float* right_disparity, int width, float invalid) {
   std::optional<float> last;
   for (int x = 0; x < std::min(kRightColumns, width); ++x) {

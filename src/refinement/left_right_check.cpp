@@ -13,26 +13,27 @@
 namespace cbmv {
 namespace {
 
-/// What right pixels say of a left column, as bits.
-constexpr std::uint8_t kAgrees = 1;   ///< at one of the disparities of the range
-constexpr std::uint8_t kMatchOf = 2;  ///< of a right pixel whose disparity lies inside of the range
+/// Bits of a left column, set from right pixels.
+constexpr std::uint8_t kAgrees = 1;   ///< a right pixel agrees at a disparity of the range
+constexpr std::uint8_t kMatchOf = 2;  ///< matched by a right pixel with a disparity in the range
 
-/// The disparities of the right view along one row.
+/// One row of disparities of the right view.
 struct RightRow {
   const float* disparity;
   int width;
   DisparityRange range;
   float max_difference_px;
 
-  /// Of a column with a whole disparity inside of the range, only the column that it matches is
-  /// marked: those up to so many beside it agree, too. −1: no column is marked as a match.
+  /// For a right column with a whole-pixel disparity in the range, only the matching left column is
+  /// marked. Columns up to this distance from it agree as well. −1: matching columns are not
+  /// marked.
   int matchReach() const {
     return max_difference_px >= 0 && max_difference_px < 2 ? static_cast<int>(max_difference_px)
                                                            : -1;
   }
 
-  /// Sets kAgrees for the left image's columns that agree with the right one's `column` at one
-  /// of the range's whole disparities.
+  /// Sets kAgrees for left columns that agree with the right `column` at a whole-pixel disparity of
+  /// the range.
   void markAgreeing(int column, std::uint8_t* marks) const {
     const float d = disparity[column];
     const float lowest = d - max_difference_px;
@@ -42,12 +43,13 @@ struct RightRow {
     if (d == range.invalid() || !(lowest <= max + 1 && highest >= min - 1)) {
       return;
     }
-    // Up to rounding, d' agrees if lowest ≤ d' ≤ highest: those beside are tried, too.
+    // Except for rounding, d' agrees if lowest ≤ d' ≤ highest. The next values on both sides are
+    // tested too.
     const int first =
         std::max({column + static_cast<int>(std::max(lowest, min)) - 1, column + range.min, 0});
     const int last = std::min(
         {column + static_cast<int>(std::min(highest, max)) + 1, column + range.max(), width - 1});
-    const float limit = max_difference_px;  // a store of a byte may change any member
+    const float limit = max_difference_px;  // local copy: storing a byte may alias any member
     for (int x = first; x <= last; ++x) {
       const float difference = std::abs(static_cast<float>(x - column) - d);
       marks[x] |= difference <= limit ? kAgrees : 0;
@@ -75,8 +77,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kLongestVector>;
 
-/// The left columns that the neighboring right columns from `column` on match, or −1 where the
-/// disparity is not a whole one inside of the range or the match lies outside of the image.
+/// Left columns that the right columns from `column` on match. −1 if the disparity is not a whole
+/// number in the range, or if the match is outside of the image.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> matchesOf(D tag, const RightRow& row, int column) {
   const hn::RebindToSigned<D> integers;
@@ -93,7 +95,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> matchesOf(D tag, const RightRow& row, 
   return hn::IfThenElse(hn::And(matches, is_column), hn::Max(x, none), none);
 }
 
-/// Marks of a row of the left image, which are 0 before.
+/// Marks the left columns of a row. All marks must be 0 before.
 void markRow(const RightRow& row, std::uint8_t* marks) {
   if (row.matchReach() < 0) {
     for (int column = 0; column < row.width; ++column) {
@@ -117,7 +119,8 @@ void markRow(const RightRow& row, std::uint8_t* marks) {
   });
 }
 
-/// Left pixels from column x on, of disparities `d`, that agree with the right ones.
+/// Lanes of the left pixels from column x on, with disparities `d`, that agree with the right
+/// pixels.
 template <class D>
 HWY_INLINE hn::Mask<D> agree(D tag, const RightRow& right, int x, hn::Vec<D> d) {
   const hn::RebindToSigned<D> integers;
@@ -139,8 +142,8 @@ HWY_INLINE hn::Mask<D> agree(D tag, const RightRow& right, int x, hn::Vec<D> d) 
   return hn::And(hn::And(near, hn::RebindMask(tag, is_column)), hn::And(valid, close));
 }
 
-/// Labels of neighboring pixels from column x on; `marks` are those of these, with one pixel more
-/// on either side.
+/// Labels of neighboring pixels from column x on. `marks` are the marks of these pixels and of one
+/// more on either side.
 template <class D>
 HWY_INLINE void labelVector(D tag, const float* left, const RightRow& right, int x,
                             const std::uint8_t* marks, std::uint8_t* labels) {
@@ -157,8 +160,8 @@ HWY_INLINE void labelVector(D tag, const float* left, const RightRow& right, int
   hn::StoreU(hn::DemoteTo(bytes, label), bytes, labels + x);
 }
 
-/// `labels` holds the marks of the row and becomes its labels. Marks are copied, because those of
-/// the neighbors are read when labels have replaced them.
+/// Replaces the marks of the row in `labels` by its labels. Marks are copied, because marks of
+/// neighbors are read after labels have overwritten them.
 void labelRow(const float* left, const RightRow& right, std::uint8_t* labels) {
   constexpr int kBlock = 512;
   std::array<std::uint8_t, kBlock + 2> marks;
@@ -175,7 +178,7 @@ void labelRow(const float* left, const RightRow& right, std::uint8_t* labels) {
   }
 }
 
-/// `labels` is 0 before.
+/// `labels` must be 0 before.
 void checkRow(const float* left, const RightRow& right, std::uint8_t* labels) {
   markRow(right, labels);
   labelRow(left, right, labels);

@@ -24,7 +24,7 @@ namespace {
 
 using Vector = hn::Vec<Floats>;
 
-/// Of two vectors in memory.
+/// Sorts two vectors in memory, lane by lane.
 HWY_INLINE void sortStored(float* low, float* high) {
   const auto a = hn::Load(Floats(), low);
   const auto b = hn::Load(Floats(), high);
@@ -32,11 +32,11 @@ HWY_INLINE void sortStored(float* low, float* high) {
   hn::Store(hn::Max(a, b), Floats(), high);
 }
 
-/// The medians of as many neighbouring windows as a vector has lanes, the first of which starts at
-/// `window`; `stride` leads to its next row. `values` holds vectors of all its pixels.
+/// Loads all pixels of neighboring windows, one window per lane, as vectors into `values`. The
+/// first window starts at `window`; `stride` is the distance to its next row.
 ///
-/// Invalid pixels count alternately as −∞ and ∞, which leaves the median of the valid ones in the
-/// middle, the lower one of two.
+/// Invalid pixels become −∞ and ∞ in turn. So the median of the valid ones (the lower of two middle
+/// values) stays in the middle.
 HWY_INLINE void loadWindows(const float* window, std::ptrdiff_t stride, int size, float invalid,
                             float* values) {
   const Floats tag;
@@ -52,8 +52,7 @@ HWY_INLINE void loadWindows(const float* window, std::ptrdiff_t stride, int size
   }
 }
 
-/// Brings the smallest of `count` vectors, lane by lane, to the first one and the largest to the
-/// last.
+/// Moves the smallest of `count` vectors, lane by lane, to the first and the largest to the last.
 HWY_INLINE void sortEnds(float* first, float* last, int count) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
   for (int i = 0; i < count / 2; ++i) {
@@ -65,8 +64,9 @@ HWY_INLINE void sortEnds(float* first, float* last, int count) {
   }
 }
 
-/// Median of `count` (odd) vectors, which are reordered. Of any set of more than half of them,
-/// neither the smallest nor the largest is the median: these two can go and another one come in.
+/// Median of `count` (odd) vectors, which are reordered. In any set of more than half of them,
+/// neither the smallest nor the largest is the median. So both can be removed and another one
+/// added.
 HWY_INLINE Vector median(float* values, int count) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(Floats()));
   const int middle = count / 2;
@@ -80,8 +80,8 @@ HWY_INLINE Vector median(float* values, int count) {
   return hn::Load(Floats(), values + middle * lanes);
 }
 
-/// Medians of the valid pixels of windows; centers that are invalid stay so. `values` is memory for
-/// vectors of all pixels of a window.
+/// Medians of the valid pixels of windows. Invalid centers stay invalid. `values` is scratch memory
+/// for the vectors of all pixels of a window.
 HWY_INLINE Vector medianOfValid(const float* window, std::ptrdiff_t stride, int size, float invalid,
                                 float* values) {
   loadWindows(window, stride, size, invalid, values);
@@ -90,7 +90,7 @@ HWY_INLINE Vector medianOfValid(const float* window, std::ptrdiff_t stride, int 
   return hn::IfThenElse(is_invalid, center, median(values, size * size));
 }
 
-/// Medians around the pixels of a row: `padded` points to the upper left corner of the first
+/// Medians around the pixels of a row. `padded` points to the upper left corner of the first
 /// window. Reads whole vectors.
 void filterRow(const float* padded, std::ptrdiff_t stride, int width, int size, float invalid,
                float* medians) {
@@ -102,15 +102,15 @@ void filterRow(const float* padded, std::ptrdiff_t stride, int width, int size, 
   }
 }
 
-/// Puts the values of each lane in order.
+/// Sorts the values of each lane.
 HWY_INLINE void sortThree(Vector& a, Vector& b, Vector& c) {
   sortPair(a, b);
   sortPair(b, c);
   sortPair(a, b);
 }
 
-/// Medians of 3 × 3 windows: with sorted columns, the median of the largest of the lows, the median
-/// of the middles and the smallest of the highs.
+/// Medians of 3 × 3 windows. After sorting the columns, it is the median of three values: the
+/// largest of the lows, the median of the middles and the smallest of the highs.
 HWY_INLINE Vector medianOfNine(const float* window, std::ptrdiff_t stride, float invalid) {
   const Floats tag;
   const auto load = [=](int y, int x) HWY_ATTR { return hn::LoadU(tag, window + y * stride + x); };
@@ -132,8 +132,8 @@ HWY_INLINE Vector medianOfNine(const float* window, std::ptrdiff_t stride, float
   return middle1;
 }
 
-/// The 3 × 3 windows around the pixels of row y from column x on, so many as there are lanes, with
-/// invalid pixels outside of the image.
+/// Copies the pixels of the 3 × 3 windows around one vector of pixels of row y from column x on.
+/// Pixels outside of the image are invalid.
 HWY_INLINE void padWindows(const cv::Mat& disparity, int y, int x, float invalid, float* block) {
   const int width = static_cast<int>(hn::Lanes(Floats())) + 2;
   std::fill_n(block, 3 * width, invalid);
@@ -145,7 +145,7 @@ HWY_INLINE void padWindows(const cv::Mat& disparity, int y, int x, float invalid
   }
 }
 
-/// Medians of 3 × 3 pixels around those of a row.
+/// Medians of the 3 × 3 windows around the pixels of a row.
 void filterRowByThree(const cv::Mat& disparity, int y, float invalid, float* medians) {
   const Floats tag;
   const int lanes = static_cast<int>(hn::Lanes(tag));

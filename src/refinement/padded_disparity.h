@@ -4,11 +4,11 @@
 
 namespace cbmv {
 
-/// Floats of the longest vector that is used.
+/// Number of floats of the longest vector.
 inline constexpr int kLongestVector = 16;
 
-/// The disparities with a border of `radius` pixels, and so many pixels more on the right that a
-/// whole vector can be read from any pixel of a window. Border and invalid pixels hold `filler`.
+/// Copies the disparities and adds a border of `radius` pixels, plus pixels on the right so that a
+/// whole vector can be read from any pixel of a window. The border and invalid pixels get `filler`.
 /// Reuses the memory of `padded`. Parallel over rows by oneTBB.
 void padDisparity(const cv::Mat& disparity, float invalid, int radius, float filler,
                   cv::Mat& padded);

@@ -1,4 +1,4 @@
-// Sorting of vectors of disparities lane by lane, compiled once per instruction set.
+// Sorts vectors of disparities lane by lane. Compiled once per instruction set.
 #if defined(CBMV_REFINEMENT_SORTING_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_REFINEMENT_SORTING_INL_H
 #undef CBMV_REFINEMENT_SORTING_INL_H
@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kLongestVector>;
 
-/// Exchanges the lanes that are not in order.
+/// Swaps the lanes that are not in order.
 template <class V>
 HWY_INLINE void sortPair(V& low, V& high) {
   const V before = low;
@@ -26,7 +26,7 @@ HWY_INLINE void sortPair(V& low, V& high) {
   high = hn::Max(before, high);
 }
 
-/// Sorts eight aligned vectors that follow each other in memory (Batcher's odd-even merge sort).
+/// Sorts eight aligned vectors that are adjacent in memory (Batcher's odd-even merge sort).
 template <class D>
 HWY_INLINE void sortEight(D tag, float* values) {
   const auto at = [=](int i) { return values + i * hn::Lanes(tag); };

@@ -19,7 +19,8 @@ float stepsPerPx(const DisparityRange& range) {
   return std::min(kStepsPerPx, kMostSteps / static_cast<float>(range.count));
 }
 
-/// Steps from the lower end of the range, so that ranges below 0 fit, too.
+/// Converts disparities to integer steps from the lower end of the range, so that ranges below 0
+/// fit too.
 void toSteps(const cv::Mat& disparity, const DisparityRange& range, cv::Mat& steps) {
   const float scale = stepsPerPx(range);
   const auto lowest = static_cast<float>(range.min);

@@ -9,8 +9,8 @@
 namespace cbmv {
 namespace {
 
-/// Minimum of the parabola through the costs at −1, 0 and 1; 0 where they have no strict minimum at
-/// 0.
+/// Position of the minimum of the parabola through the costs at −1, 0 and 1. 0 if they have no
+/// strict minimum at 0.
 float parabolaMinimum(int before, int here, int after) {
   const int curvature = before - 2 * here + after;
   if (here > before || here > after || curvature == 0) {
@@ -19,7 +19,7 @@ float parabolaMinimum(int before, int here, int after) {
   return static_cast<float>(before - after) / static_cast<float>(2 * curvature);
 }
 
-/// Whether the column is one of an image of that width.
+/// Returns whether the column is inside of an image of this width.
 bool isColumn(int x, int width) { return x >= 0 && x < width; }
 
 }  // namespace
@@ -33,7 +33,7 @@ void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRang
     for (int y = rows.begin(); y != rows.end(); ++y) {
       auto* out = disparity.ptr<float>(y);
       for (int x = 0; x < width; ++x) {
-        // An invalid pixel lies below the range.
+        // An invalid pixel is below the range.
         const int d = static_cast<int>(out[x]);
         const bool refinable = static_cast<float>(d) == out[x] && d > range.min &&
                                d < range.max() && isColumn(matchingColumn(view, x, d - 1), width) &&

@@ -31,8 +31,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, 64>;
 using Words = hn::CappedTag<std::uint16_t, 32>;
 
-/// Hamming distances of a vector of left pixels and those that match them, at all disparities;
-/// unspecified where the match lies outside.
+/// Hamming distances of a vector of left pixels to their matches, at all disparities. Unspecified
+/// where the match is outside of the image.
 HWY_INLINE void computeDistancesAt(const CensusRows& rows, int x) {
   const Bytes tag;
   const auto loadByte = [&](const std::uint8_t* bits, int k, int column)
@@ -63,7 +63,8 @@ HWY_INLINE void computeDistancesAt(const CensusRows& rows, int x) {
   }
 }
 
-/// Hamming distances of all hypotheses of a row, and one repeated at both ends of each line.
+/// Hamming distances of all hypotheses of a row. The first and the last distance of each line are
+/// repeated beyond its ends.
 void computeDistances(const CensusRows& rows) {
   const int lanes = static_cast<int>(hn::Lanes(Bytes()));
   for (int x = 0; x < rows.width; x += lanes) {
@@ -79,7 +80,7 @@ void computeDistances(const CensusRows& rows) {
   }
 }
 
-/// Sums of three lines.
+/// Adds three lines.
 void addLines(const std::uint8_t* above, const std::uint8_t* middle, const std::uint8_t* below,
               std::ptrdiff_t count, std::uint8_t* sums) {
   const Bytes tag;
@@ -90,7 +91,7 @@ void addLines(const std::uint8_t* above, const std::uint8_t* middle, const std::
   }
 }
 
-/// Lanes of the columns from `first` on that lie in the image.
+/// Lanes whose columns, from `first` on, are inside of the image.
 HWY_INLINE hn::Mask<Words> isInside(Words tag, int first, int width) {
   const int lanes = static_cast<int>(hn::Lanes(tag));
   const auto before = [=](int column) {
@@ -99,8 +100,8 @@ HWY_INLINE hn::Mask<Words> isInside(Words tag, int first, int width) {
   return hn::AndNot(before(0), before(width));
 }
 
-/// Lowers the winners of a vector of pixels of `view` by the disparities [begin, end) of a block.
-/// Stores their costs, kNoCost where the match lies outside.
+/// Updates the winners of a vector of pixels of `view` with the disparities [begin, end) of a
+/// block. Stores their costs, or kNoCost where the match is outside of the image.
 HWY_INLINE void scanBlock(const SumRows& sums, View view, int x, int begin, int end,
                           std::uint16_t* costs, hn::Vec<Words>& best, hn::Vec<Words>& index) {
   const Words tag;
@@ -137,7 +138,8 @@ HWY_INLINE void scanBlock(const SumRows& sums, View view, int x, int begin, int 
   index = hn::IfThenElse(is_lower, here, index);
 }
 
-/// Winners of a vector of pixels, their costs `best` and, in `costs`, those of all disparities.
+/// Finds the winners of a vector of pixels. Their costs are in `best`, the costs of all disparities
+/// in `costs`.
 HWY_INLINE hn::Vec<Words> scanVector(const SumRows& sums, View view, int x, std::uint16_t* costs,
                                      hn::Vec<Words>& best) {
   const Words tag;
@@ -150,7 +152,7 @@ HWY_INLINE hn::Vec<Words> scanVector(const SumRows& sums, View view, int x, std:
   return index;
 }
 
-/// Least costs of the disparities that are more than 1 away from the winners.
+/// Lowest costs of the disparities that are more than 1 away from the winners.
 HWY_INLINE hn::Vec<Words> findSecond(const std::uint16_t* costs, int count,
                                      const hn::Vec<Words>& index) {
   const Words tag;
@@ -192,12 +194,12 @@ HWY_EXPORT(addLines);
 HWY_EXPORT(findWinners);
 
 const cv::Size kWindow(9, 7);
-constexpr int kVector = 64;  // bytes; the widest
+constexpr int kVector = 64;  // bytes; size of the widest vector
 constexpr int kRowsPerTask = 24;
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-/// Memory of one thread.
+/// Scans rows. One per thread.
 class RowScanner {
  public:
   void resize(int width, const DisparityRange& range, unsigned clear_percent) {
@@ -218,7 +220,7 @@ class RowScanner {
     costs_.resize(static_cast<std::size_t>(range.count) * kVector / sizeof(std::uint16_t));
   }
 
-  /// The rows [begin, end) of the image.
+  /// Scans the rows [begin, end) of the image.
   void scan(const CensusTransform& left, const CensusTransform& right, int begin, int end,
             int height, cv::Mat& matches) {
     for (int y = begin; y < end; ++y) {
@@ -260,7 +262,7 @@ class RowScanner {
       const int index = index_[x];
       const bool is_clear =
           second_cost_[x] != kNoCost && 100U * cost_[x] < clear_percent_ * second_cost_[x];
-      // A pixel with a second cost has a winner, whose match lies inside.
+      // A pixel with a second cost has a winner, whose match is inside of the image.
       const bool is_match = is_clear && std::abs(right_index_[x - range_.min - index] - index) <= 1;
       matches[x] = is_match ? static_cast<std::int16_t>(index) : kNoMatch;
     }
@@ -271,10 +273,10 @@ class RowScanner {
   int width_ = 0;
   unsigned clear_percent_ = 0;
   DisparityRange range_;
-  int pitch_ = 0;                                  ///< of lines with a vector more on both sides
+  int pitch_ = 0;  ///< length of a line with one vector more on both sides
   std::array<std::vector<std::uint8_t>, 3> ring_;  ///< distances of three rows
   std::vector<std::uint8_t> sums_;
-  /// Census of a row, and a vector more on both sides.
+  /// Census of a row, with one vector more on both sides.
   std::vector<std::uint8_t> left_bits_, right_bits_;
   Line costs_;  ///< of a vector of pixels
   Line cost_, second_cost_, index_, right_index_;

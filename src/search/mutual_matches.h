@@ -9,32 +9,36 @@
 
 namespace cbmv {
 
-/// Value of a map of matches where there is none.
+/// Value of a map of matches where there is no match.
 constexpr std::int16_t kNoMatch = -1;
 
-/// Finds pixels that certainly belong together, by a cheap scan over the whole range: the coarse
-/// levels of a search do not see what is thinner than their pixels, such as poles in front of a far
-/// background. Holds the memory of the scan, which is kept from pair to pair.
+/// Finds reliable matches by a cheap scan over the whole disparity range. The coarse levels of a
+/// search cannot see objects thinner than their pixels, such as poles in front of a far background.
+/// The object keeps the memory of the scan from pair to pair.
 ///
-/// The cost of (x, y, d) is the sum, over the 3 × 3 pixels around (x, y), of the Hamming distances
-/// of census in a window of 9 × 7 (62 neighbours). Neighbours beyond the first or last row, or
-/// whose left or right pixel lies beyond the first or last column, repeat the nearest one inside.
-/// The winner of a left pixel is its cheapest d, that of a right pixel the cheapest d of the left
-/// pixels that match it; the smallest d on ties. A left pixel has a match if its winner and that of
-/// the matching right pixel differ by at most 1, and its cost is below `clear_percent` percent of
-/// the least cost of its disparities that are more than 1 away, of which there is one at least:
-/// windows without texture, or with a repeated one, have none.
+/// The cost of (x, y, d) is the sum of Hamming distances over the 3 × 3 pixels around (x, y), with
+/// census in a 9 × 7 window (62 neighbors). Beyond the first or last row, and where the left or
+/// right pixel is beyond the first or last column, the nearest neighbor inside is repeated. The
+/// winner of a left pixel is its d of lowest cost. The winner of a right pixel is the d of lowest
+/// cost among the left pixels that match it. The smallest d wins ties.
+///
+/// A left pixel has a match if
+/// - its winner and the winner of the matching right pixel differ by at most 1, and
+/// - its cost is below `clear_percent` percent of the lowest cost among its disparities that are
+/// more
+///   than 1 away from the winner. There must be at least one of these.
+/// So windows without texture or with repeated texture have no match.
 class MutualMatcher {
  public:
-  /// `clear_percent` is in (0, 100]; the lower it is, the fewer and the surer are the matches.
+  /// `clear_percent` is in (0, 100]. Lower values give fewer but more reliable matches.
   explicit MutualMatcher(int clear_percent = 99);
   ~MutualMatcher();
   MutualMatcher(const MutualMatcher&) = delete;
   MutualMatcher& operator=(const MutualMatcher&) = delete;
 
-  /// `left` and `right` are CV_8UC1 of one size. `matches` becomes CV_16SC1 of indices
-  /// d − range.min, or kNoMatch. Vectors by Highway, parallel over rows by oneTBB; the result
-  /// depends neither on the instruction set nor on the number of threads nor on earlier pairs.
+  /// Sets `matches` to a CV_16SC1 map of indices d − range.min, or kNoMatch. `left` and `right` are
+  /// CV_8UC1 of the same size. Vectors by Highway, parallel over rows by oneTBB. The result does
+  /// not depend on the instruction set, the number of threads or earlier pairs.
   void find(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
             cv::Mat& matches);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLargestWidthPx = 320;
 
-/// The image halved `times` times; `halves` keeps the memory.
+/// Halves the image `times` times. `halves` keeps the memory.
 cv::Mat shrink(cv::Mat image, int times, std::vector<cv::Mat>& halves) {
   halves.resize(std::max(halves.size(), static_cast<std::size_t>(times)));
   for (int i = 0; i < times; ++i) {
@@ -30,13 +30,13 @@ int timesToHalve(cv::Size size) {
   return times;
 }
 
-/// With the margin, rounded up.
+/// The number of disparities with the margin, rounded up.
 int countFor(int found) {
   const int wanted = found + found / 4;
   return (wanted + RangeFinder::kStep - 1) / RangeFinder::kStep * RangeFinder::kStep;
 }
 
-/// Cut to the disparities that fit the images; one where none does.
+/// The range, limited to the disparities that fit the images. One disparity if none fits.
 DisparityRange rangeOf(int min_disparity, int count, int image_width) {
   return {min_disparity, std::clamp(image_width - min_disparity, 1, count)};
 }

@@ -10,15 +10,15 @@
 
 namespace cbmv {
 
-/// Says which disparities are searched where the range is automatic. One pair at a time.
+/// Gives the disparity range if it is automatic. Processes one pair at a time.
 class RangeSource {
  public:
   virtual ~RangeSource() = default;
-  /// The range begins at `min_disparity`; RangeFinder::defaultRange where none is found.
+  /// The range begins at `min_disparity`. RangeFinder::defaultRange if none is found.
   virtual DisparityRange rangeOf(const GrayPair& images, int min_disparity) = 0;
 };
 
-/// Each pair has its own range: results do not depend on earlier pairs.
+/// Finds the range of each pair separately. Results do not depend on earlier pairs.
 class OwnRange : public RangeSource {
  public:
   DisparityRange rangeOf(const GrayPair& images, int min_disparity) override;
@@ -27,11 +27,11 @@ class OwnRange : public RangeSource {
   RangeFinder finder_;
 };
 
-/// The range of a live stream, followed by RangeTracker. Begins anew when the size of the images or
+/// Follows the range of a live stream with a RangeTracker. Starts again when the image size or
 /// `min_disparity` changes.
 class FollowedRange : public RangeSource {
  public:
-  /// One of so many pairs is measured, and so is the first: the others cost nothing.
+  /// Every kPeriod-th pair is measured, beginning with the first. The others cost nothing.
   static constexpr int kPeriod = 5;
 
   DisparityRange rangeOf(const GrayPair& images, int min_disparity) override;

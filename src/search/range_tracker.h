@@ -6,27 +6,27 @@
 
 namespace cbmv {
 
-/// The disparity range of a stream: it widens at once, and shrinks only when less has been enough
-/// for long, so that memory is not taken anew for every frame.
+/// The disparity range of a stream. It grows at once, and shrinks only after a long time with a
+/// smaller need, so that memory is not reallocated for every frame.
 class RangeTracker {
  public:
-  /// So many measurements in a row have to need at most 3/4 of the range before it shrinks to the
-  /// widest of them.
+  /// The range shrinks if this many consecutive measurements need at most 3/4 of it. It shrinks to
+  /// the largest of them.
   static constexpr int kMeasurementsToShrink = 24;
 
-  /// Takes what RangeFinder has found in the newest pair. Another lowest disparity than before
-  /// begins anew.
+  /// Adds the result of RangeFinder for the newest pair. A change of the lowest disparity resets
+  /// the tracker.
   void add(const DisparityRange& found);
 
-  /// Nothing before the first measurement.
+  /// Empty before the first measurement.
   const std::optional<DisparityRange>& range() const { return range_; }
 
  private:
   void use(const DisparityRange& range);
 
   std::optional<DisparityRange> range_;
-  int smaller_ = 0;          ///< measurements in a row that need clearly less
-  int largest_of_them_ = 0;  ///< number of disparities
+  int smaller_ = 0;          ///< consecutive measurements that need clearly less
+  int largest_of_them_ = 0;  ///< the largest number of disparities of these measurements
 };
 
 }  // namespace cbmv

@@ -5,16 +5,16 @@
 
 #include "cbmv_stereo/disparity_range.h"
 
-// Rows as the vector code of the scan for mutual matches takes them.
+// Rows in the layout for the vector code of MutualMatcher.
 
 namespace cbmv {
 
 constexpr std::uint16_t kNoCost = 0xffff;
 
-/// Two rows of census bits, and where the distances of their hypotheses go: line i, of disparity
-/// range.min + i, begins i · pitch behind `distances`.
+/// Two rows of census bits, and the distances of their hypotheses. Line i, for disparity range.min
+/// + i, begins at `distances` + i · pitch.
 struct CensusRows {
-  static constexpr int kBytes = 8;  ///< of a pixel
+  static constexpr int kBytes = 8;  ///< per pixel
 
   const std::uint8_t* left;  ///< [byte][x]
   const std::uint8_t* right;
@@ -24,23 +24,23 @@ struct CensusRows {
   std::uint8_t* distances;
 };
 
-/// Costs and the indices of their disparities in one word, so that the least key is that of the
-/// least cost, the smallest index on ties: as many disparities as kIndexBits number are a block.
+/// A key has a cost and the index of its disparity in one word. The lowest key has the lowest cost,
+/// and the smallest index on ties. A block has as many disparities as kIndexBits can number.
 constexpr int kIndexBits = 6;
 constexpr int kBlock = 1 << kIndexBits;
 
-/// Sums of three rows of distances.
+/// Sums over three rows of distances.
 struct SumRows {
-  const std::uint8_t* sums;  ///< of column 0 at range.min
-  std::ptrdiff_t pitch;      ///< from disparity to disparity
+  const std::uint8_t* sums;  ///< at column 0 and range.min
+  std::ptrdiff_t pitch;      ///< distance between disparities
   int width;
   DisparityRange range;
 };
 
-/// What the pixels of a row have found, from column 0 on.
+/// Winners of the pixels of a row, from column 0 on.
 struct RowWinners {
   std::uint16_t* cost;
-  std::uint16_t* second_cost;  ///< of disparities more than 1 away from the winner
+  std::uint16_t* second_cost;  ///< among the disparities more than 1 away from the winner
   std::uint16_t* index;
   std::uint16_t* right_index;
 };

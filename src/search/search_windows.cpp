@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWordBits = 64;
 
-/// Sets the bits of the indices [first, last], cut to [0, count).
+/// Sets the bits of the indices [first, last], limited to [0, count).
 void setRange(int first, int last, int count, std::uint64_t* words) {
   first = std::max(first, 0);
   last = std::min(last, count - 1);
@@ -26,14 +26,14 @@ void setRange(int first, int last, int count, std::uint64_t* words) {
   }
 }
 
-/// Unites sets of `words` words into `united`.
+/// Adds the set `set` to `united`. Both have `words` words.
 void unite(const std::uint64_t* set, int words, std::uint64_t* united) {
   for (int w = 0; w < words; ++w) {
     united[w] |= set[w];
   }
 }
 
-/// Appends the tile's list; all of the range where the set is empty.
+/// Appends the list of a tile. An empty set gives the whole range.
 void appendTile(const std::uint64_t* set, int words, int count, SearchSpace::Row& row) {
   bool is_empty = true;
   for (int w = 0; w < words; ++w) {
@@ -94,7 +94,7 @@ void SearchWindows::collectCoarse(const cv::Mat& coarse, float invalid, const Di
     const auto* disparities = coarse.ptr<float>(y);
     for (int t = 0; t < tiles; ++t) {
       std::uint64_t* set = coarse_sets_.tile(y, t);
-      // The last column of an image of odd width lies behind the coarse image.
+      // In an image of odd width, the last column is beyond the coarse image.
       const int first = std::min(t * kTileColumns / 2, coarse.cols - 1);
       const cv::Range columns =
           around(first, first + kTileColumns / 2 - 1, options.neighborhood_px, coarse.cols);

@@ -13,27 +13,28 @@
 
 namespace cbmv {
 
-/// Makes the search space of a level from the disparities at half of its size, and from mutual
-/// matches at its own size. Holds its memory, which is kept from pair to pair.
+/// Builds the search space of a level from the disparities at half its size and from mutual matches
+/// at its own size. The object keeps its memory from pair to pair.
 ///
-/// A pixel's disparities are those within margin_px of twice a coarse disparity, where that is of a
-/// pixel at most neighborhood_px rows and columns away from the pixel's place in the coarse image,
-/// and d − 1 … d + 1 of the mutual matches at most kRescueRows rows and kRescueColumns columns
-/// away. A tile has those of all its pixels, cut to the range; where there are none, the whole
-/// range.
+/// The disparities of a pixel are:
+/// - those within margin_px of twice a coarse disparity, from coarse pixels that are at most
+///   neighborhood_px rows and columns away from the position of the pixel in the coarse image;
+/// - d − 1 … d + 1 of mutual matches that are at most kRescueRows rows and kRescueColumns columns
+/// away. A tile has the disparities of all its pixels, limited to the range. A tile without any has
+/// the whole range.
 class SearchWindows {
  public:
   static constexpr int kRescueRows = 3;
   static constexpr int kRescueColumns = 2;
 
-  /// `coarse` is CV_32FC1 of half the size of `matches` (rounded down, at least 1), in coarse
-  /// pixels; `invalid` marks pixels without a disparity. `matches` is CV_16SC1 as MutualMatcher
-  /// makes it. Parallel over rows by oneTBB; the result does not depend on earlier pairs.
+  /// `coarse` is CV_32FC1 with half the size of `matches` (rounded down, at least 1), in coarse px.
+  /// `invalid` marks pixels without a disparity. `matches` is CV_16SC1, from MutualMatcher.
+  /// Parallel over rows by oneTBB. The result does not depend on earlier pairs.
   void build(const cv::Mat& coarse, float invalid, const cv::Mat& matches,
              const DisparityRange& range, const SearchOptions& options, SearchSpace& space);
 
  private:
-  /// For each tile of each row, a set of indices, one bit each.
+  /// A set of indices for each tile of each row, one bit per index.
   class TileSets {
    public:
     void reset(int rows, int tiles, int words);
@@ -51,8 +52,8 @@ class SearchWindows {
                      const SearchOptions& options, int tiles, int words);
   void collectMatches(const cv::Mat& matches, const DisparityRange& range, int tiles, int words);
 
-  TileSets coarse_sets_;  ///< of the coarse rows, over the indices of the level
-  TileSets match_sets_;   ///< of the rows of the level
+  TileSets coarse_sets_;  ///< per coarse row, with the indices of this level
+  TileSets match_sets_;   ///< per row of this level
   PerThread<std::vector<std::uint64_t>> sets_;
 };
 
