@@ -9,14 +9,14 @@
 
 namespace cbmv {
 
-/// Aggregation, semi-global matching and aggregation again of one view's costs, as often as the
-/// options say. The first step reads the matching costs, so that a second volume of optimized costs
-/// is needed from the second step on only. Holds these volumes.
+/// Applies cost aggregation, SGM and cost aggregation again to the costs of one view, as often as
+/// the options say. The first step reads the matching costs, so the second aggregated cost volume
+/// is needed only from the second step on. The object has both volumes.
 template <typename Matching, typename Optimized>
 class CostOptimizer {
  public:
-  /// `aggregate` and `match` (semi-global matching) are called with costs, of either kind, and the
-  /// volume that they fill; `widen` copies matching costs where there is no step at all.
+  /// `aggregate` and `match` (SGM) are called with input costs of either type and the volume to
+  /// fill. `widen` copies the matching costs if there is no step.
   template <typename Aggregate, typename Match, typename Widen>
   const Optimized& optimize(const Matching& costs, const StereoOptions& options, StageTimes& times,
                             const Aggregate& aggregate, const Match& match, const Widen& widen) {
@@ -49,7 +49,7 @@ class CostOptimizer {
   Optimized second_;
   Optimized* optimized_ = &first_;
   Optimized* spare_ = &second_;
-  const Matching* matching_costs_ = nullptr;  ///< the costs, until a step has replaced them
+  const Matching* matching_costs_ = nullptr;  ///< input of the next step; null after the first step
 };
 
 }  // namespace cbmv

@@ -26,7 +26,8 @@
 namespace cbmv {
 namespace {
 
-/// Of a pair that is matched at half the size first; at less, surfaces are a few pixels large.
+/// Shorter side of the smallest pair that is first matched at half the size. In smaller images,
+/// surfaces are only a few pixels large.
 constexpr int kSmallestSidePx = 128;
 
 void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
@@ -37,7 +38,7 @@ void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
   });
 }
 
-/// Probability of the winner of each pixel; 0 where there is none.
+/// Probability of the winner per pixel. 0 where there is no winner.
 void readConfidence(const MatchingVolume& volume, const cv::Mat& winners,
                     const DisparityRange& range, cv::Mat& confidence) {
   confidence.create(winners.size(), CV_32FC1);
@@ -107,9 +108,9 @@ class DisparityEstimator::Impl {
     return options_.refinement.left_right_check && options_.refinement.optimize_right_view;
   }
 
-  /// Matches the pair at half the size, which in turn begins at half of that, and takes the
-  /// surfaces of both views from that. Pixels that fail the left-right check there stay without a
-  /// disparity, so that no surface comes from them.
+  /// Finds the surfaces of both views by matching the pair at half the size, which in turn begins
+  /// at half of that size. Pixels that fail the left-right consistency check there are invalidated,
+  /// so they do not define surfaces.
   void findSurfaces(const MatchingVolume& volume) {
     const cv::Size size = left_.gray.size();
     if (!findsSurfaces(size, options_)) {
@@ -147,7 +148,7 @@ class DisparityEstimator::Impl {
     winnerTakesAll(costs, View::kRight, options_.range, result.right_disparity);
   }
 
-  /// Of `volume`, which is of `view`.
+  /// Cost aggregation and SGM of `volume`, which is of `view`.
   const OptimizedVolume& optimize(View view, const MatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
@@ -169,7 +170,7 @@ class DisparityEstimator::Impl {
   PreparedImage left_;
   PreparedImage right_;
   CostOptimizer<MatchingVolume, OptimizedVolume> optimizer_;
-  cv::Mat winners_;  ///< of the left view, whole pixels
+  cv::Mat winners_;  ///< left view, whole pixels
 
   std::unique_ptr<CoarsePair> coarse_;
 

@@ -11,13 +11,14 @@
 
 namespace cbmv {
 
-/// Whether a pair of that size is matched at half the size first, to find its surfaces: if switched
-/// on, where semi-global matching runs and the shorter side has 128 px at least.
+/// Returns whether a pair of this size is first matched at half the size to find its surfaces: if
+/// the surface prior is enabled, SGM runs, and the shorter side has at least 128 px.
 bool findsSurfaces(const cv::Size& image_size, const StereoOptions& options);
 
-/// Everything after the matching volume: optimization of both views, winner takes all, refinement
-/// and confidence. Holds the buffers of a frame and of every stage, so one object serves one frame
-/// at a time; from the second frame of one size and one set of options on, it allocates nothing.
+/// All stages after the matching cost volume: cost aggregation and SGM of both views, WTA,
+/// refinement and confidence. The object has the buffers of a frame and of every stage, so it
+/// processes one frame at a time. From the second frame with the same size and options on, it does
+/// not allocate.
 class DisparityEstimator {
  public:
   DisparityEstimator();
@@ -25,12 +26,14 @@ class DisparityEstimator {
   DisparityEstimator(const DisparityEstimator&) = delete;
   DisparityEstimator& operator=(const DisparityEstimator&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
-  /// options.range, as VolumeBuilder makes it. It is used up: it becomes the right view's, if that
-  /// one is optimized for the left-right check, and keeps its memory. Sets all maps and the range
-  /// of `result`, whose memory is reused where the size fits, and adds to its times, of all stages
-  /// but the rectification. Options must be consistent (correctOptions). Parallel by oneTBB; the
-  /// result does not depend on earlier frames nor on the number of threads.
+  /// `left` and `right` are the rectified pair after the rectification correction, CV_8UC1.
+  /// `volume` is its matching cost volume over options.range, from VolumeBuilder. It is overwritten
+  /// with the volume of the right view if that view runs through SGM for the left-right consistency
+  /// check; its memory is kept.
+  ///
+  /// Sets all maps and the range of `result`; their memory is reused where the size fits. Adds to
+  /// the times of all stages except the rectification. Options must be consistent (correctOptions).
+  /// Parallel by oneTBB. The result does not depend on earlier frames or the number of threads.
   void estimate(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
                 MatchingVolume&& volume, StereoResult& result);
 

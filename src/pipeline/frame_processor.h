@@ -20,29 +20,30 @@ namespace cbmv {
 
 class ThreadLimit;
 
-/// A pair that only waits for the matcher.
+/// A pair that is ready for matching.
 struct PreparedPair {
   GrayPair images;
-  StereoGeometry geometry;  ///< all 0 without cameras
+  StereoGeometry geometry;  ///< all 0 without calibration
   InputNames names;
-  std::vector<std::string> warnings;  ///< of input and calibration
+  std::vector<std::string> warnings;  ///< about input and calibration
 };
 
-/// What comes of one pair.
+/// Result for one pair.
 struct ProcessedFrame {
   cv::Mat left_gray;        ///< CV_8UC1; may share the memory of the input
-  StereoGeometry geometry;  ///< all 0 without cameras
+  StereoGeometry geometry;  ///< all 0 without calibration
   StereoResult result;
   bool range_is_automatic = false;  ///< result.range was found in the images
   double disparity_step_px = 0;     ///< see disparityStep
   RectificationState rectification;
-  std::vector<std::string> warnings;  ///< of input and calibration
-  std::string range_correction;  ///< one sentence if not all disparities asked for fit; else empty
+  std::vector<std::string> warnings;  ///< about input and calibration
+  /// one sentence if the requested range was clipped; otherwise empty
+  std::string range_correction;
 };
 
-/// The one path from a pair and its calibration to disparities and geometry: node, bag tool and
-/// command line call it. Calibrations, range and memory are checked when the calibration, the size
-/// of the images or the options change.
+/// Computes disparities and geometry from a pair and its calibration. Node, bag tool and command
+/// line all use it. Calibration, range and memory are checked whenever the calibration, the image
+/// size or the options change.
 class FrameProcessor {
  public:
   /// Throws Error if the options are inconsistent.
@@ -52,35 +53,34 @@ class FrameProcessor {
   FrameProcessor(const FrameProcessor&) = delete;
   FrameProcessor& operator=(const FrameProcessor&) = delete;
 
-  /// From the next pair on; may be called while a pair is processed. The options have to be
+  /// Applies from the next pair on. May be called while a pair is processed. The options must be
   /// consistent (correctOptions).
   void setOptions(const StereoOptions& options);
 
-  /// From the next pair on, pixels of a lower confidence, in [0, 1], have no disparity. The
-  /// confidence itself stays. May be called while a pair is processed.
+  /// From the next pair on, pixels with a lower confidence, in [0, 1], have no disparity. The
+  /// confidence map does not change. May be called while a pair is processed.
   void setMinConfidence(float min_confidence) { min_confidence_ = min_confidence; }
 
-  /// Everything before matching; by several threads at once. Throws InputError that names the input
-  /// if the images or the calibration cannot be used.
+  /// Runs all steps before matching. Thread-safe. Throws InputError with the name of the input if
+  /// the images or the calibration cannot be used.
   PreparedPair prepare(const StereoInput& input) const;
 
-  /// The disparities that the pair is matched over if an automatic range is its own; by several
-  /// threads at once. Throws InputError if none fits the images.
+  /// The disparity range for matching the pair. An automatic range is found from this pair.
+  /// Thread-safe. Throws InputError if no disparity fits the images.
   DisparityRange rangeOf(const PreparedPair& pair) const;
 
-  /// The vertical offset that is corrected, from the pair by itself, with the options of the
-  /// constructor or of the newest setOptions; by several threads at once. Throws InputError if no
-  /// disparity fits the images.
+  /// The rectification correction estimated from this pair, with the options of the constructor or
+  /// of the last setOptions. Thread-safe. Throws InputError if no disparity fits the images.
   VerticalOffset estimateOffset(const PreparedPair& pair) const;
 
-  /// The same as it is measured, however small.
+  /// The same as measured, also if it is too small for a correction.
   VerticalOffsetMeasurement measureOffset(const PreparedPair& pair) const;
 
-  /// One pair at a time. An automatic range is the pair's own. Throws InputError if the images are
-  /// too large, or no disparity fits them.
+  /// Matches one pair at a time. An automatic range is found from this pair. Throws InputError if
+  /// the images are too large or no disparity fits them.
   ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset);
 
-  /// The same, but `ranges` tells an automatic range.
+  /// The same, with an automatic range from `ranges`.
   ProcessedFrame match(const PreparedPair& pair, OffsetSource& offset, RangeSource& ranges);
 
  private:
@@ -102,14 +102,14 @@ class FrameProcessor {
   StereoMatcher matcher_;
   OwnRange own_range_;
   bool range_is_automatic_ = false;
-  std::unique_ptr<ThreadLimit> threads_;  ///< of the search for the range
+  std::unique_ptr<ThreadLimit> threads_;  ///< threads for finding the range
   std::optional<cv::Size> adapted_size_;  ///< empty: the matcher does not have options_ yet
-  DisparityRange adapted_range_;          ///< before it is clipped
+  DisparityRange adapted_range_;          ///< before clipping
   std::string range_correction_;
   std::atomic<float> min_confidence_{0};
 
-  mutable std::mutex options_mutex_;  ///< of the next two
-  StereoOptions options_;  ///< as asked for; the matcher's have the range clipped to the images
+  mutable std::mutex options_mutex_;  ///< guards the next two members
+  StereoOptions options_;             ///< as requested; the matcher has the clipped range
   bool options_are_new_ = false;
 
   mutable std::mutex checked_mutex_;

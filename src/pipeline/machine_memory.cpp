@@ -22,12 +22,12 @@ constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 double limitIn(const fs::path& file) {
   double bytes = 0;
-  std::ifstream(file) >> bytes;  // "max", or no such file: 0
+  std::ifstream(file) >> bytes;  // 0 for "max" or a missing file
   return bytes > 0 ? bytes : kNoLimit;
 }
 
-/// Of the group in the folder and of all above it. In a container the folder may be one of the
-/// host's, which is not there; then `mount` has the container's limit.
+/// The lowest limit of the group in `folder` and of its parents. In a container, `folder` may be a
+/// path of the host that does not exist. Then `mount` has the limit of the container.
 double lowestLimit(fs::path folder, const fs::path& mount, const std::string& file) {
   double bytes = limitIn(mount / file);
   for (; folder != mount && folder.has_relative_path(); folder = folder.parent_path()) {

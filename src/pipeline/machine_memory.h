@@ -11,30 +11,31 @@
 
 namespace cbmv {
 
-/// Bytes that the control groups of a process (a container, a service, a job) allow it, infinity
-/// where they allow all. `groups` is as /proc/self/cgroup, `mount` where the system shows the
-/// limits; of version 2 or 1, of the group itself and of all that it is in.
+/// Memory limit in bytes from the control groups of a process (a container, a service, a job), or
+/// infinity without a limit. `groups` has the format of /proc/self/cgroup. `mount` is the folder
+/// where the system shows the limits. Supports versions 1 and 2, and uses the lowest limit of the
+/// group and its parents.
 double groupLimitBytes(std::istream& groups, const std::filesystem::path& mount);
 
-/// Memory in MB (2^20 bytes) that this process can have at most: the machine's, or what its control
-/// groups allow if that is less.
+/// Memory in MB (2^20 bytes) available to this process: the memory of the machine, or the limit of
+/// its control groups if that is lower.
 double machineMemoryMb();
 
-/// One sentence if a StereoMatcher needs more for images of that size (requiredMemoryMb) than the
-/// machine has: with both numbers in MB and what to do. Empty if the memory suffices.
+/// Returns one sentence, with both numbers in MB and what to do, if a StereoMatcher needs more
+/// memory for images of this size (requiredMemoryMb) than the machine has. Empty otherwise.
 std::string machineMemoryError(const cv::Size& image_size, const StereoOptions& options,
                                double machine_mb = machineMemoryMb());
 
-/// Throws Error with machineMemoryError, or with memoryError where options.max_memory_mb is
-/// lower, so that nothing is allocated in vain.
+/// Throws Error with machineMemoryError, or with memoryError if options.max_memory_mb is lower.
+/// Call it before allocating.
 void requireMemory(const cv::Size& image_size, const StereoOptions& options);
 
-/// Throws Error if more than the machine has is required: `what` needs so many MB; `remedy` says
-/// what to do.
+/// Throws Error if the requirement exceeds the memory of the machine. `what` needs `required_mb`;
+/// `remedy` says what to do.
 void requireMachineMemory(double required_mb, const std::string& what, const std::string& remedy,
                           double machine_mb = machineMemoryMb());
 
-/// What to tell a user of an exception: its text, but a sentence where memory could not be taken
+/// Describes an exception for users: its text, or a sentence for failed allocations
 /// (std::bad_alloc, and OpenCV's exception for it).
 std::string describeFailure(const std::exception& error);
 

@@ -11,7 +11,8 @@
 namespace cbmv {
 namespace {
 
-/// Of one pair and its options. Sizes are real numbers: products of them exceed integers.
+/// A pair size with its options. Sizes are floating point, because their products can overflow
+/// integers.
 struct Problem {
   Problem(const cv::Size& image_size, const StereoOptions& all_options)
       : options(all_options),
@@ -58,29 +59,29 @@ double bytesOfVolumes(const Problem& problem) {
   return problem.pixels * problem.disparities * bytesOfHypothesis(problem.options);
 }
 
-/// Maps of the alignment and of the matchers.
+/// Maps of the rectification correction and of the matchers.
 double bytesOfMatchingMaps(const Problem& problem) {
   const double aligned_and_estimate = ifSet(problem.options.rectification.enabled, 1 + 30);
-  // Of both images: padded; zero-mean SAD; Sobel SAD.
+  // For both images: padded image, zero-mean SAD, Sobel SAD.
   const double matchers = 2 * (1 + 4 + 2);
   return problem.pixels * (aligned_and_estimate + matchers);
 }
 
-/// Maps of optimization and refinement.
+/// Maps of cost aggregation, SGM and refinement.
 double bytesOfEstimationMaps(const Problem& problem) {
   const StereoOptions& options = problem.options;
   const double edges = ifSet(options.sgm.iterations > 0, 4);
-  // As they are, and by match.
+  // Original arms, and arms by match.
   const double arms =
       ifSet(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
-  // Winners; the median filter; the bilateral one; the speckle filter with OpenCV's buffer.
+  // Winners, median filter, bilateral filter, speckle filter with OpenCV's buffer.
   const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4) +
                             ifSet(options.refinement.speckle_size_px > 0, 2 + 9);
   const double result = 4 + 4 + 1 + 2 + ifSet(options.refinement.left_right_check, 4);
   return problem.pixels * (edges + arms + refinement + result);
 }
 
-/// Of a forest that chooses among neighbors: its planes, and the rows that its threads work on.
+/// The selection forest: its planes, and the rows of its threads.
 double bytesOfChoice(const Problem& problem) {
   const double cells = (2 + 2) * 4.0 / 16;
   const double wide_and_padded = 2 + 2 + 2;
@@ -91,7 +92,7 @@ double bytesOfChoice(const Problem& problem) {
          problem.threads * problem.width * row;
 }
 
-/// The same of the second forest as a whole.
+/// The whole second forest: its planes, and the rows of its threads.
 double bytesOfSelection(const Problem& problem) {
   const RefinementOptions& options = problem.options.refinement;
   if (!options.second_forest) {
@@ -120,8 +121,7 @@ double bytesOfPaths(const Problem& problem) {
   return problem.options.sgm.iterations > 0 ? 4 * problem.width * (problem.disparities + 32) : 0;
 }
 
-/// Two lines for each column of a tile and each row that arms span, as CostAggregator has them at
-/// most.
+/// At most two lines for each column of a tile and each row that arms span, as in CostAggregator.
 double bytesOfSums(const Problem& problem) {
   if (!problem.aggregates()) {
     return 0;
@@ -132,14 +132,15 @@ double bytesOfSums(const Problem& problem) {
   return problem.threads * (2 * longest_arm + 1) * columns * bytes_of_column;
 }
 
-/// Of both views of a level of a search: volumes, and lists that may hold twice what they need.
+/// Both views of a level of a search: volumes and lists. Lists may have twice the capacity that
+/// they need.
 double bytesOfLists(const Problem& problem, double hypotheses) {
   const double right = ifSet(problem.matchesRightView(), 1);
   const double lists = (1 + right) * 2 * sizeof(std::int16_t) / kTileColumns;
   return hypotheses * (bytesOfHypothesis(problem.options) + right + lists);
 }
 
-/// Mutual matches and windows, steps of semi-global matching, and the level before.
+/// Mutual matches and windows, SGM steps, and the coarser level.
 double bytesOfSearchMaps(const Problem& problem) {
   const double matches = 2 + 2 * 1;
   const double windows = 1.5 * problem.disparities / 8 / kTileColumns;
@@ -160,13 +161,13 @@ double bytesOfLevel(const Problem& problem, double hypotheses) {
          bytesOfSelection(problem);
 }
 
-/// Of optimization and refinement.
+/// Cost aggregation, SGM and refinement.
 double bytesOfEstimation(const Problem& problem) {
   return bytesOfVolumes(problem) + bytesOfEstimationMaps(problem) + bytesOfPaths(problem) +
          bytesOfSums(problem);
 }
 
-/// What it takes to find the surfaces of a pair at half the size, a quarter and so on.
+/// Finding the surfaces of a pair at half the size, a quarter and so on.
 double bytesOfSurfaces(const cv::Size& image_size, const Problem& problem) {
   if (!findsSurfaces(image_size, problem.options)) {
     return 0;

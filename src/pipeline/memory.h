@@ -9,46 +9,47 @@
 
 namespace cbmv {
 
-/// Memory in MB (2^20 bytes) that a StereoMatcher holds for images of that size, its result
-/// included; the images, the forest and the program itself are not. With W × H pixels, D
-/// disparities and T threads, these are the bytes:
+/// Memory in MB (2^20 bytes) of a StereoMatcher for images of this size. It includes the result,
+/// but not the images, the forest or the program. With W × H pixels, D disparities and T threads,
+/// the bytes are:
 ///
-///   volumes   W H D (1 + 2 v)   the matching volume and v 16-bit ones: 2, or 1 if optimization has
-///                               one step at most (cbca_iterations_before + sgm_iterations +
-///                               cbca_iterations_after)
-///   maps      about 147 W H     what the four matchers, the estimate of the vertical offset, the
-///                               optimization, the refinement and the result hold of a pixel;
-///                               fewer with parts of the method switched off
-///   selection 35 W H + 70 T W   of the second forest, with second_forest, whether the file has one
-///                               or not; 18 W H + 40 T W without replace_improbable
-///   rows      T W (11 D + 130)  costs, terms and codes of the row that a thread works on, fewer
-///                               with forests that ask for some of the matchers only
-///   paths     4 W D             of semi-global matching
+///   volumes   W H D (1 + 2 v)   the matching cost volume and v aggregated cost volumes (16 bits):
+///                               v = 2, or v = 1 with at most one step (cbca_iterations_before +
+///                               sgm_iterations + cbca_iterations_after)
+///   maps      about 147 W H     memory per pixel of the four matchers, the estimate of the
+///   residual
+///                               vertical offset, cost aggregation, SGM, refinement and the result;
+///                               less if parts of the method are disabled
+///   selection 35 W H + 70 T W   with second_forest, whether or not the file has a second forest;
+///                               18 W H + 40 T W without replace_improbable
+///   rows      T W (11 D + 200)  costs, terms and codes of the row of a thread; less with forests
+///                               that use only some of the matchers
+///   paths     4 W D             of SGM
 ///   surfaces  about W H (D / 8) (1 + 2 v) + 30 W H, with surface_prior
-///   sums      of one tile of cost aggregation for each thread
+///   sums      one tile of cost aggregation per thread
 ///
-/// With a coarse-to-fine search it depends on the pair, and this is searchMemoryMb of what is
-/// expected (expectedHypotheses).
+/// For a coarse-to-fine search, the memory depends on the pair. Then the result is searchMemoryMb
+/// of the expected hypotheses (expectedHypotheses).
 double requiredMemoryMb(const cv::Size& image_size, const StereoOptions& options);
 
-/// Disparities that a coarse-to-fine search is expected to list for a pixel, at every level but the
+/// Expected number of disparities per pixel in a coarse-to-fine search, at every level except the
 /// coarsest. Measured on 101 pairs (Middlebury v3, KITTI 2012, RealSense) with the default
-/// neighborhood and margin: 8 to 26 at full size, 14 in the median; fewer at the levels below.
+/// neighborhood and margin: 8 to 26 at full size, median 14; fewer at the coarser levels.
 constexpr double kListedDisparities = 16;
 
-/// Hypotheses that a coarse-to-fine search is expected to match at each level, the full size first:
-/// all at the coarsest level, kListedDisparities a pixel at the others. More where the parameters
-/// of the search make longer lists.
+/// Expected number of hypotheses of a coarse-to-fine search at each level, full size first: all
+/// hypotheses at the coarsest level, kListedDisparities per pixel at the others. More if the search
+/// parameters make longer lists.
 std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoOptions& options);
 
-/// Memory in MB (2^20 bytes) of a coarse-to-fine search that matches so many hypotheses at each
-/// level, the full size first. The volumes take 1 + 2 v bytes of each, as in requiredMemoryMb, and
-/// 1 more if the right view is optimized; every level has the maps and rows of requiredMemoryMb.
+/// Memory in MB (2^20 bytes) of a coarse-to-fine search with this number of hypotheses per level,
+/// full size first. The volumes take 1 + 2 v bytes per hypothesis, as in requiredMemoryMb, and 1
+/// more if SGM runs on the right view. Every level has the maps and rows of requiredMemoryMb.
 double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
                       const std::vector<double>& hypotheses);
 
-/// One sentence if requiredMemoryMb is more than options.max_memory_mb, with both numbers and what
-/// would help; empty if the memory suffices or is not bounded.
+/// Returns one sentence, with both numbers and what to do, if requiredMemoryMb exceeds
+/// options.max_memory_mb. Empty if it does not, or if there is no limit.
 std::string memoryError(const cv::Size& image_size, const StereoOptions& options);
 
 /// The same for the hypotheses of a pair, when its lists are known.

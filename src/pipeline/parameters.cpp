@@ -28,13 +28,13 @@ std::string valueText(const ParameterValue& value) {
 namespace {
 
 constexpr std::uintmax_t kLargestPreset = 64 << 10;
-constexpr int kLargestSgmCost = 16383;  // four paths of it fit 16 bits
+constexpr int kLargestSgmCost = 16383;  // the sum of four paths fits into 16 bits
 
 double numberOf(const ParameterValue& value) {
   return std::visit([](const auto& v) { return static_cast<double>(v); }, value);
 }
 
-/// The type of a value as users call it.
+/// The type of a value in error messages.
 const char* typeName(const ParameterValue& value) {
   constexpr std::array<const char*, 3> names = {"true or false", "a whole number", "a number"};
   return names[value.index()];
@@ -47,7 +47,8 @@ void requireFits(const Parameter& parameter, const ParameterValue& value) {
     throw Error(parameter.name + " is " + valueText(value) + ", it must be " +
                 typeName(parameter.default_value));
   }
-  // Options are kept as float: a value that was set to a limit has to be right when it comes back.
+  // Options are stored as float. A value that equals a limit must stay valid after conversion to
+  // float.
   const auto number = static_cast<float>(numberOf(value));
   if (!std::holds_alternative<bool>(value) && !(number >= static_cast<float>(parameter.lowest) &&
                                                 number <= static_cast<float>(parameter.highest))) {
@@ -58,7 +59,7 @@ void requireFits(const Parameter& parameter, const ParameterValue& value) {
   }
 }
 
-/// Builds the table: one call of add a field, which finds the field in any StereoOptions.
+/// Builds the table. Each call of add() adds a field, which `access` finds in any StereoOptions.
 class ParameterTable {
  public:
   template <typename Access>
@@ -238,7 +239,7 @@ ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node)
 }
 
 void requirePresetFile(const std::string& path) {
-  std::error_code ignored;  // what cannot be opened is found so when it is read
+  std::error_code ignored;  // files that cannot be opened are reported when they are read
   if (std::filesystem::is_directory(path, ignored)) {
     throw Error("is a folder, expected a YAML file; give the path of one");
   }

@@ -11,11 +11,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What comes with the program in a folder.
+/// A kind of file that is installed with the program.
 struct NamedFiles {
   const char* what;
   const char* ending;
-  const char* path;  ///< what else a user may give
+  const char* path;  ///< the alternative, for error messages
 };
 
 constexpr NamedFiles kPresets = {"preset", ".yaml", "the path of a YAML file"};

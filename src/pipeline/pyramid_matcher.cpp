@@ -22,8 +22,8 @@ namespace {
 
 constexpr int kSmallestSidePx = 32;
 
-/// At a quarter of the pixels and less, the right view costs little, and what it finds out about
-/// occlusions keeps wrong disparities out of the lists of the finer levels.
+/// At a quarter of the pixels or less, SGM on the right view costs little. The occlusions that it
+/// finds keep wrong disparities out of the lists of the finer levels.
 StereoOptions optionsOfCoarseLevels(const StereoOptions& options) {
   StereoOptions coarse = options;
   coarse.refinement.optimize_right_view = true;
@@ -37,7 +37,7 @@ void addTimes(const StageTimes& more, StageTimes& times) {
   times.refinement_ms += more.refinement_ms;
 }
 
-/// The disparities that pass the left-right check.
+/// Copies the disparities that pass the left-right consistency check.
 void copyMatches(const StereoResult& result, cv::Mat& matches) {
   matches.create(result.disparity.size(), CV_32FC1);
   const float invalid = result.range.invalid();
@@ -112,7 +112,7 @@ class PyramidMatcher::Impl {
     WindowedEstimator estimator;
     SurfacePrior prior;
     cv::Mat matches;
-    cv::Mat matched;  ///< disparities of the level before without those that failed the check
+    cv::Mat matched;  ///< disparities of the coarser level that passed the check
     SurfaceMaps surfaces;
     SearchSpace space;
     WindowedMatchingVolume volume;
@@ -127,7 +127,7 @@ class PyramidMatcher::Impl {
     StereoResult result;
   };
 
-  /// `before` is the coarser level; null: the level is searched exhaustively.
+  /// `before` is the coarser level. Null: the level is searched exhaustively.
   void matchLevel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
                   const Level* before, const StereoOptions& options, const Forest& forest,
                   const ForestEvaluator& evaluator, Stages& stages, StereoResult& result) {
@@ -151,7 +151,8 @@ class PyramidMatcher::Impl {
                               result);
   }
 
-  /// Throws InputError if the pair needs too much, now that the lists of this level are known.
+  /// Throws InputError if the pair needs too much memory. Called when the lists of this level are
+  /// known.
   void requireMemory(const Stages& stages, const StereoOptions& options) {
     hypotheses_[stages.halvings] = static_cast<double>(stages.space.entries()) * kTileColumns;
     const std::string error = searchMemoryError(full_size_, options, hypotheses_);
@@ -160,7 +161,7 @@ class PyramidMatcher::Impl {
     }
   }
 
-  /// Pixels that fail the left-right check of the coarser level do not count.
+  /// Ignores pixels that fail the left-right consistency check at the coarser level.
   static void findSurfaces(const cv::Size& size, const Level* before, const StereoOptions& options,
                            Stages& stages) {
     if (before == nullptr || !findsSurfaces(size, options)) {
@@ -178,7 +179,7 @@ class PyramidMatcher::Impl {
   }
 
   cv::Size full_size_;
-  std::vector<double> hypotheses_;  ///< of each level, the full size first; expected until known
+  std::vector<double> hypotheses_;  ///< per level, full size first; expected until known
   std::deque<Level> levels_;        ///< half the size first
   Stages finest_;
 };

@@ -13,16 +13,19 @@
 
 namespace cbmv {
 
-/// Levels below the full size at which a pair of that size is searched: options.search.levels,
-/// fewer where the shorter side would fall below 32 px.
+/// Number of coarse levels for a pair of this size: options.search.levels, or fewer if the shorter
+/// side would be below 32 px.
 int searchLevels(const cv::Size& image_size, const StereoOptions& options);
 
-/// Coarse-to-fine search: the pair is matched exhaustively at 1 / 2^levels of its size; every finer
-/// level is matched over the search space that SearchWindows makes of the level before and of
-/// mutual matches. Coarse levels optimize the right view, too, where there is a left-right check.
-/// The coarser level also tells the surfaces that semi-global matching follows. After Rothermel et
-/// al. 2012 (tSGM) and Hirschmüller, Buder, Ernst 2012. Holds the memory of all levels, so one
-/// object serves one pair at a time.
+/// Coarse-to-fine search, after Rothermel et al. 2012 (tSGM) and Hirschmüller, Buder, Ernst 2012:
+/// - The pair is matched exhaustively at 1 / 2^levels of its size.
+/// - Every finer level is matched over a search space. SearchWindows builds it from the coarser
+/// level
+///   and from mutual matches.
+/// - With the left-right consistency check, SGM also runs on the right view at coarse levels.
+/// - SGM follows surfaces that are found at the coarser level.
+///
+/// The object has the memory of all levels, so it processes one pair at a time.
 class PyramidMatcher {
  public:
   PyramidMatcher();
@@ -30,14 +33,15 @@ class PyramidMatcher {
   PyramidMatcher(const PyramidMatcher&) = delete;
   PyramidMatcher& operator=(const PyramidMatcher&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1. Sets all maps, range and memory of `result`
-  /// and adds to its times. Throws InputError if the pair needs more than options.max_memory_mb,
-  /// which is known when its search space is, before the volumes are there. Parallel by oneTBB; the
-  /// result depends neither on earlier pairs nor on the number of threads.
+  /// `left` and `right` are the rectified pair after the rectification correction, CV_8UC1. Sets
+  /// all maps, range and memory of `result`, and adds to its times. Throws InputError if the pair
+  /// needs more than options.max_memory_mb; this is checked when its search space is known, before
+  /// the volumes are allocated. Parallel by oneTBB. The result does not depend on earlier pairs or
+  /// the number of threads.
   void match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
              const Forest& forest, const ForestEvaluator& evaluator, StereoResult& result);
 
-  /// What was matched of the last pair at a level, from 0, the full size, to searchLevels(). Valid
+  /// The search space of the last pair at a level, from 0 (full size) to searchLevels(). Valid
   /// until the next pair.
   const SearchSpace& space(int level) const;
 

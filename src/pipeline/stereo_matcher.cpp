@@ -128,7 +128,7 @@ class StereoMatcher::Impl {
     result.memory_mb = requiredMemoryMb(left.size(), options);
   }
 
-  /// The second forest, if there is one.
+  /// Applies the second forest if there is one.
   void judge(const StereoOptions& options, StereoResult& result) {
     if (selector_ == nullptr || !options.refinement.second_forest) {
       result.disparity_sigma.release();
@@ -143,7 +143,7 @@ class StereoMatcher::Impl {
         {result.disparity, result.confidence, result.disparity_sigma});
   }
 
-  /// Those of the pair, with its range. Throws Error if they need too much memory.
+  /// The options for this pair, with its range. Throws Error if they need too much memory.
   StereoOptions optionsOf(const cv::Mat& left, const cv::Mat& right) {
     StereoOptions options = options_;
     if (options.range.isAutomatic()) {
@@ -171,7 +171,7 @@ class StereoMatcher::Impl {
   std::shared_ptr<const Forest> forest_;
   ForestEvaluator evaluator_;
   StereoOptions options_;
-  std::optional<cv::Size> checked_size_;  ///< of images that do not need too much memory
+  std::optional<cv::Size> checked_size_;  ///< image size that passed the memory check
   ThreadLimit threads_;
   OwnRange own_range_;
   cv::Mat aligned_;
@@ -180,7 +180,7 @@ class StereoMatcher::Impl {
   DisparityEstimator estimator_;
   PyramidMatcher pyramid_;
   SpeckleBuffers speckle_buffers_;
-  std::unique_ptr<MapSelector> selector_;  ///< null: the forest has no second one
+  std::unique_ptr<MapSelector> selector_;  ///< null: the forest file has no second forest
 };
 
 StereoMatcher::StereoMatcher(std::shared_ptr<const Forest> forest, const StereoOptions& options)

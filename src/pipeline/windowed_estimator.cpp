@@ -62,7 +62,7 @@ class WindowedEstimator::Impl {
   }
 
  private:
-  /// `costs` are the optimized ones of the left view.
+  /// `costs` are the aggregated costs of the left view.
   void findRightWinners(const SearchSpace& space, const WindowedMatchingVolume& volume,
                         const WindowedOptimizedVolume& costs, StereoResult& result) {
     if (!options_.refinement.left_right_check) {
@@ -83,7 +83,7 @@ class WindowedEstimator::Impl {
     windowedWinners(right_space_, right_costs, View::kRight, result.right_disparity);
   }
 
-  /// Of `volume`, which is of `view`.
+  /// Cost aggregation and SGM of `volume`, which is of `view`.
   const WindowedOptimizedVolume& optimize(View view, const SearchSpace& space,
                                           const WindowedMatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
@@ -106,7 +106,7 @@ class WindowedEstimator::Impl {
   PreparedImage left_;
   PreparedImage right_;
   CostOptimizer<WindowedMatchingVolume, WindowedOptimizedVolume> optimizer_;
-  cv::Mat winners_;  ///< of the left view, whole pixels
+  cv::Mat winners_;  ///< left view, whole pixels
 
   SearchSpace right_space_;
   WindowedMatchingVolume right_volume_;

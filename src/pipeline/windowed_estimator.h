@@ -11,15 +11,15 @@
 
 namespace cbmv {
 
-/// Maps of surface_prior.h for both views; empty: unknown.
+/// Surface maps (surface_prior.h) for both views. Empty: unknown.
 struct SurfaceMaps {
   cv::Mat left;
   cv::Mat right;
 };
 
-/// Everything after the matching volume, over a search space: optimization of both views, winner
-/// takes all, refinement and confidence. Holds the buffers of a frame and of every stage, so one
-/// object serves one frame at a time.
+/// All stages after the matching cost volume, over a search space: cost aggregation and SGM of both
+/// views, WTA, refinement and confidence. The object has the buffers of a frame and of every stage,
+/// so it processes one frame at a time.
 class WindowedEstimator {
  public:
   WindowedEstimator();
@@ -27,11 +27,11 @@ class WindowedEstimator {
   WindowedEstimator(const WindowedEstimator&) = delete;
   WindowedEstimator& operator=(const WindowedEstimator&) = delete;
 
-  /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
-  /// `space`. Sets all maps and the range of `result`, whose memory is reused where the size fits,
-  /// and adds to its times, of all stages but the rectification. Options must be consistent
-  /// (correctOptions); options.range is not looked at. Parallel by oneTBB; the result does not
-  /// depend on earlier frames nor on the number of threads.
+  /// `left` and `right` are the rectified pair after the rectification correction, CV_8UC1.
+  /// `volume` is its matching cost volume over `space`. Sets all maps and the range of `result`;
+  /// their memory is reused where the size fits. Adds to the times of all stages except the
+  /// rectification. Options must be consistent (correctOptions); options.range is ignored. Parallel
+  /// by oneTBB. The result does not depend on earlier frames or the number of threads.
   void estimate(const cv::Mat& left, const cv::Mat& right, const SurfaceMaps& surfaces,
                 const StereoOptions& options, const SearchSpace& space,
                 const WindowedMatchingVolume& volume, StereoResult& result);

@@ -1,5 +1,5 @@
-// Loops that turn values of a row into codes, bytes minus 128. Plain loops, which the compiler
-// turns into vector code for each instruction set. Included once per instruction set.
+// Loops that convert the values of a row to codes: bytes minus 128. These are plain loops, which
+// the compiler vectorizes for each instruction set. Included once per instruction set.
 #if defined(CBMV_SELECTION_CODE_LINES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_SELECTION_CODE_LINES_INL_H
 #undef CBMV_SELECTION_CODE_LINES_INL_H
@@ -22,27 +22,27 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-/// Difference of both views in units of the disparity plane, up to 254; 255: not known. `units` is
-/// the disparity in these units, `match` its column in the row `right`.
+/// Left-right difference in units of the disparity plane, up to 254. 255: unknown. `units` is the
+/// disparity in these units. `match` is the matching column in the row `right`.
 HWY_INLINE std::int32_t leftRightUnits(float units, std::int32_t match,
                                        const float* HWY_RESTRICT right, float right_invalid,
                                        std::int32_t last_column) {
   const std::int32_t column = std::min(std::max(match, 0), last_column);
   const float other = right[column];
   const float difference = std::min(std::abs(units - other * kPlaneUnitsPerPx), 254.0F);
-  const bool is_known = (match == column) & (other != right_invalid);  // & : no branch
+  const bool is_known = (match == column) & (other != right_invalid);  // `&` avoids a branch
   return is_known ? static_cast<std::int32_t>(difference) : kUnknownDifference;
 }
 
-/// Column in the right image that a disparity of the plane matches.
+/// Matching column in the right image for a disparity of the plane.
 HWY_INLINE std::int32_t matchOf(std::int32_t x, std::int32_t units) {
   return x - ((units + kPlaneUnitsPerPx / 2) >> 3);
 }
 
 HWY_INLINE std::int8_t asCode(std::int32_t value) { return static_cast<std::int8_t>(value - 128); }
 
-/// A 25th of a sum over 5 × 5 pixels, which is up to 2^16: rounded down, except that sums from
-/// 43690 on that lack 1 of a multiple of 25 count as this.
+/// A sum over 5 × 5 pixels, which is up to 2^16, divided by 25. Rounded down, with one exception:
+/// sums from 43690 on that are 1 below a multiple of 25 are rounded up.
 HWY_INLINE std::int32_t meanOf25(std::int32_t sum) { return (sum * 10486) >> 18; }
 
 HWY_INLINE void codeBytes(const std::uint8_t* HWY_RESTRICT values, int count,
@@ -59,7 +59,7 @@ HWY_INLINE void codeMeans(const std::int32_t* HWY_RESTRICT sums, int count,
   }
 }
 
-/// `value_of` of the mean of each pixel's cell; `cells` begins at the first pixel's.
+/// Codes `value_of` the mean of each pixel's cell. `cells` begins at the cell of the first pixel.
 template <typename ValueOf>
 HWY_INLINE void codeCellValues(const std::int32_t* HWY_RESTRICT cells, int count,
                                std::int8_t* HWY_RESTRICT codes, const ValueOf& value_of) {
@@ -74,19 +74,19 @@ HWY_INLINE void codeCellValues(const std::int32_t* HWY_RESTRICT cells, int count
   }
 }
 
-/// Of values up to 255.
+/// For values up to 255.
 HWY_INLINE void codeCells(const std::int32_t* HWY_RESTRICT cells, int count,
                           std::int8_t* HWY_RESTRICT codes) {
   codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return mean; });
 }
 
-/// Of margins.
+/// For margins.
 HWY_INLINE void codeCompressedCells(const std::int32_t* HWY_RESTRICT cells, int count,
                                     std::int8_t* HWY_RESTRICT codes) {
   codeCellValues(cells, count, codes, [](std::int32_t mean) HWY_ATTR { return compressed(mean); });
 }
 
-/// Distance of disparities from the means of their cells.
+/// Difference between disparities and the means of their cells.
 HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity,
                                    const std::int32_t* HWY_RESTRICT cells, int count,
                                    std::int8_t* HWY_RESTRICT codes) {
@@ -103,7 +103,8 @@ HWY_INLINE void codeCellDeviations(const std::int16_t* HWY_RESTRICT disparity,
   }
 }
 
-/// Column of the match relative to the left border of the right image; `x` is the first pixel's.
+/// Column of the match relative to the left border of the right image. `x` is the column of the
+/// first pixel.
 HWY_INLINE void codeBorder(const std::int16_t* HWY_RESTRICT disparity, int x, int count,
                            std::int8_t* HWY_RESTRICT codes) {
   for (int i = 0; i < count; ++i) {

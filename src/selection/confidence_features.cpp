@@ -8,7 +8,7 @@
 namespace cbmv {
 namespace {
 
-/// In the order of confidenceFeatureNames.
+/// Features in the order of confidenceFeatureNames.
 enum MapFeature {
   kProbability,
   kMargin,
@@ -43,7 +43,7 @@ struct CellRow {
   const std::int32_t* disparity;
 };
 
-/// What the codes of a block of pixels are made of, from its first pixel on.
+/// Inputs for the codes of a block of pixels, from its first pixel on.
 struct Block {
   int x;
   int count;

@@ -10,33 +10,35 @@
 
 namespace cbmv {
 
-/// Features of the confidence forest, one byte each, in the order of their names. They describe the
+/// Features of the confidence forest in the order of their names, one byte each. They describe the
 /// final disparity of a pixel and the maps around it:
-///   probability   of the winner, by the first forest, in 1/255
-///   margin        from the winner's cost to the best one more than 1 px away (compressed)
-///   left_right    difference of both views in 1/8 px; 255: unknown
-///   unmatched     250 where the left-right check failed, else 0
-///   border        distance of the match from the left border of the right image, 3 per px, from
-///                 5 px outside on
-///   *_5           means over 5 × 5 px of these, of roughness (steps between neighbouring
-///                 disparities, 64 per px), and the distance of the disparity from its mean
+///   probability   of the winner, from the first forest, in 1/255
+///   margin        lowest cost more than 1 px away from the winner, minus the cost of the winner
+///                 (compressed)
+///   left_right    left-right difference in 1/8 px; 255: unknown
+///   unmatched     250 where the left-right consistency check failed, otherwise 0
+///   border        distance of the match from the left border of the right image, 3 per px,
+///   starting
+///                 5 px outside
+///   *_5           means over 5 × 5 px of these and of roughness (differences between neighboring
+///                 disparities, 64 per px), and the difference between the disparity and its mean
 ///                 (compressed, 8 per px)
 ///   *_12, _20, _36   the same over 3, 5 and 9 cells of 4 px
-/// Compressed values are as they are up to 128 and count 1/16 beyond (compressed()).
+/// Compressed values are unchanged up to 128, and count 1/16 beyond (compressed()).
 const std::vector<std::string>& confidenceFeatureNames();
 
-/// Number of the feature whose bins the model of the standard deviation has.
+/// Index of the feature that defines the roughness bins of the standard deviation model.
 int roughnessFeature();
 
-/// Computes the features of a row of pixels. Holds memory for one row.
+/// Computes the features of a row of pixels. Has memory for one row.
 class ConfidenceFeatures {
  public:
-  static constexpr int kBlock = ConfidenceCodes::kQueries;  ///< most pixels that are coded at once
+  static constexpr int kBlock = ConfidenceCodes::kQueries;  ///< most pixels per call of code()
 
   void resize(int width);
-  /// Of row `y`; `planes` must stay as they are until the last block.
+  /// Selects row `y`. `planes` must not change until the last block.
   void startRow(const MapPlanes& planes, int y);
-  /// Codes of the `count` pixels from `x` on, a multiple of CellGrid::kCellPx.
+  /// Computes the codes of the `count` pixels from `x` on. `x` is a multiple of CellGrid::kCellPx.
   void code(int x, int count, ConfidenceCodes& codes) const;
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kColumnsPerTask = 64;
 
-/// Some columns of a row, and the nearest neighbors in the row before and in this one.
+/// Some columns of a row, with the nearest neighbors in the previous row and in this row.
 struct Step {
   const std::int16_t* disparity;
   const std::uint8_t* confidence;
@@ -27,7 +27,7 @@ struct Step {
 }  // namespace cbmv
 #endif
 
-// Plain loops, which the compiler turns into vector code for each instruction set.
+// Plain loops, which the compiler vectorizes for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "selection/confident_neighbors.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -59,7 +59,8 @@ namespace {
 
 HWY_EXPORT(advance);
 
-/// From row `first` on, `rows` rows in steps of `step` (1 or −1), for the columns [x, x + count).
+/// Processes all rows from row `first` on in steps of `step` (1 or −1), for the columns
+/// [x, x + count).
 void advanceColumns(const cv::Mat& disparity, const cv::Mat& confidence, int first, int step, int x,
                     int count, cv::Mat& nearest, cv::Mat& distance) {
   alignas(64) std::int16_t none[kColumnsPerTask];

@@ -7,24 +7,25 @@
 
 namespace cbmv {
 
-/// Where a disparity may be taken from.
+/// Where a proposed disparity is from.
 enum class Source : std::uint8_t { kPixel, kLeft, kRight, kAbove, kBelow };
 inline constexpr int kSources = 5;
 
-/// Disparities of the nearest confident pixels of a row, per column.
+/// Disparities of the nearest confident pixels, per column of a row.
 struct NeighborRow {
-  const std::int16_t* disparity;  ///< kNoNeighbor where there is none
+  const std::int16_t* disparity;  ///< kNoNeighbor if there is none
   const std::uint8_t* distance;   ///< px, at most 255
 };
 
-/// The nearest pixels on the left, on the right, above and below whose confidence is at least
-/// kConfident; a confident pixel is its own nearest one. Holds its memory from map to map.
+/// Finds the nearest pixels on the left, on the right, above and below whose confidence is at least
+/// kConfident. A confident pixel is its own nearest pixel. The object keeps its memory from map to
+/// map.
 class ConfidentNeighbors {
  public:
-  static constexpr std::uint8_t kConfident = 204;  ///< of 255: 0.8
+  static constexpr std::uint8_t kConfident = 204;  ///< in 1/255: 0.8
   static constexpr std::int16_t kNoNeighbor = INT16_MIN;
 
-  /// Memory for the neighbors on a row.
+  /// Memory for the neighbors of a row.
   struct RowMemory {
     void resize(int width);
 
@@ -34,13 +35,13 @@ class ConfidentNeighbors {
     std::vector<std::uint8_t> right_distance;
   };
 
-  /// `disparity` is CV_16SC1, `confidence` CV_8UC1; both must stay as they are. Parallel over
-  /// columns by oneTBB.
+  /// `disparity` is CV_16SC1, `confidence` is CV_8UC1. Both must not change afterwards. Parallel
+  /// over columns by oneTBB.
   void find(const cv::Mat& disparity, const cv::Mat& confidence);
 
   NeighborRow above(int y) const { return row(above_, above_distance_, y); }
   NeighborRow below(int y) const { return row(below_, below_distance_, y); }
-  /// Neighbors on row `y`, in `memory`, which has the width of the maps.
+  /// Finds the left and right neighbors of row `y`. `memory` has the width of the maps.
   void findOnRow(int y, RowMemory& memory) const;
 
  private:

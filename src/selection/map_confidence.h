@@ -15,22 +15,22 @@
 
 namespace cbmv {
 
-/// Applies the confidence forest to the maps of a pair. Holds its memory from pair to pair, so one
-/// object serves one pair at a time.
+/// Applies the confidence forest to the maps of a pair. The object keeps its memory from pair to
+/// pair, so it processes one pair at a time.
 class MapConfidence {
  public:
-  /// Throws Error if the forest has other features than confidenceFeatureNames. `forest` has to
+  /// Throws Error if the features of the forest are not confidenceFeatureNames. `forest` must
   /// outlive the object.
   MapConfidence(const ConfidenceForest& forest, const std::string& file_name);
 
-  /// The probability that the disparity of each pixel is within 1 px of the truth; 0 where there is
-  /// none. Valid until the next pair; `maps` must stay as they are until then. Parallel over rows
-  /// by oneTBB.
+  /// Computes for each pixel the probability that its disparity is within 1 px of the true
+  /// disparity; 0 where there is no disparity. Valid until the next pair. `maps` must not change
+  /// until then. Parallel over rows by oneTBB.
   void estimate(const JudgedMaps& maps);
 
   const MapPlanes& planes() const { return planes_; }
   const cv::Mat& confidence() const { return confidence_; }  ///< CV_8UC1, in 1/255
-  /// CV_8UC1: the bin of each pixel in the model of the standard deviation.
+  /// CV_8UC1: roughness bin of each pixel for the standard deviation model.
   const cv::Mat& roughnessBins() const { return roughness_bins_; }
 
  private:

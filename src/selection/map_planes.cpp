@@ -15,7 +15,7 @@ namespace {
 constexpr int kUnmatchedCode = 250;
 constexpr int kRoughnessPerUnit = 8;
 constexpr int kHighestStep = 31;  ///< in units of the disparity plane
-/// Room for the disparities that are near this one: 4094 px.
+/// 4094 px. Leaves room for disparities near this one.
 constexpr float kHighestUnits = INT16_MAX - kPlaneUnitsPerPx;
 
 /// One row of the maps and of the planes.
@@ -24,7 +24,7 @@ struct PlaneRow {
   float right_invalid;
   const float* disparity;
   const float* disparity_below;
-  const float* right_disparity;  ///< null: not known
+  const float* right_disparity;  ///< null: unknown
   const std::uint8_t* labels;
   const float* probability;
   const std::uint16_t* margin_in;
@@ -40,7 +40,7 @@ struct PlaneRow {
 }  // namespace cbmv
 #endif
 
-// Plain loops, which the compiler turns into vector code for each instruction set.
+// Plain loops, which the compiler vectorizes for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "selection/map_planes.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -53,8 +53,7 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Half a unit is added before the fraction is cut off, which is vector code other than
-/// std::lround.
+/// Adds one half and truncates, because this is vectorizable, unlike std::lround.
 HWY_INLINE std::int32_t roundUpHalves(float value) {
   const float moved = value + 0.5F;
   return static_cast<std::int32_t>(moved);
@@ -65,7 +64,7 @@ HWY_INLINE std::int32_t planeUnits(float disparity) {
   return units < 0 ? -roundUpHalves(-units) : roundUpHalves(units);
 }
 
-/// Steps from each pixel to the one on its right and the one below.
+/// Disparity differences between each pixel and its right and lower neighbors.
 void fillRoughness(const float* HWY_RESTRICT disparity, const float* HWY_RESTRICT below, int width,
                    std::uint8_t* HWY_RESTRICT roughness) {
   const auto fill = [=](int x, int right) HWY_ATTR {

@@ -10,7 +10,7 @@
 namespace cbmv {
 namespace {
 
-/// In the order of selectionFeatureNames.
+/// Features in the order of selectionFeatureNames.
 enum ProposalFeature {
   kChange,
   kLeftRight,
@@ -33,14 +33,14 @@ enum ProposalFeature {
   kFeatures
 };
 
-/// Of the pixel, whatever is proposed.
+/// Features of the pixel, which are the same for all proposals.
 constexpr std::array<int, 7> kSharedFeatures = {kConfidence,   kConfidence5, kConfidence12,
                                                 kConfidence20, kUnmatched,   kUnmatched5,
                                                 kProbability5};
 constexpr int kPatternSide = 5;
 constexpr int kCodePerSource = 60;
 constexpr int kBlock = SelectionFeatures::kBlock;
-/// Within this distance disparities support each other, in planes' units.
+/// Disparities within this distance support each other, in units of the disparity plane.
 constexpr int kNear = kPlaneUnitsPerPx;
 
 /// Sums over the pixels of a pattern around the pixels of a block, [source][pixel].
@@ -50,14 +50,14 @@ struct Support {
   std::array<std::int16_t, kBlock> total_weight;
 };
 
-/// Rows of the padded maps that a pattern of 5 × 5 pixels reads, at the first pixel of the block.
+/// Rows of the padded maps for a pattern of 5 × 5 pixels, at the first pixel of the block.
 struct PatternRows {
   std::array<const std::int16_t*, kPatternSide> disparity;
   std::array<const std::int16_t*, kPatternSide> confidence;
   int step;  ///< px between the pixels of the pattern
 };
 
-/// What the codes of a block are made of, from its first pixel on.
+/// Inputs for the codes of a block, from its first pixel on.
 struct ProposalBlock {
   int x;
   int count;
@@ -68,7 +68,7 @@ struct ProposalBlock {
   const std::int32_t* unmatched_sums;
   const std::int32_t* probability_sums;
   std::array<const std::int32_t*, 2> confidence_cells;
-  const float* right_disparity;  ///< of the whole row; null: not known
+  const float* right_disparity;  ///< the whole row; null: unknown
   float right_invalid;
   std::array<const std::uint8_t*, kSources> distances;  ///< null for the pixel itself
   PatternRows near;
@@ -94,8 +94,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using PixelTag = hn::CappedTag<std::int16_t, 16>;
 
-/// Calls f(disparities, confidences) for each pixel of the pattern around the pixels from `begin`
-/// on, as many as a vector has lanes. Those beyond the row read the padding.
+/// Calls f(disparities, confidences) for each pixel of the pattern around one vector of pixels from
+/// `begin` on. Pixels beyond the row read the padding.
 template <class F>
 HWY_INLINE void forPattern(const PatternRows& rows, int begin, const F& f) {
   const PixelTag tag;
@@ -109,7 +109,7 @@ HWY_INLINE void forPattern(const PatternRows& rows, int begin, const F& f) {
 
 using PixelVector = hn::Vec<PixelTag>;
 
-/// Pixels that are near a proposal, and their weight.
+/// Number and total weight of the pixels near a proposal.
 HWY_INLINE void findSupport(const PatternRows& rows, const std::int16_t* proposals, int begin,
                             std::int16_t* counts, std::int16_t* weights) {
   const PixelTag tag;
@@ -148,8 +148,8 @@ HWY_INLINE std::int32_t weightedSupport(std::int32_t weight, std::int32_t total)
                                    static_cast<float>(std::max(total, 1)));
 }
 
-// All kBlock pixels at once in what follows, so that the loops have a fixed length: codes of pixels
-// beyond the row mean nothing.
+// The following functions process all kBlock pixels, so that the loops have a fixed length. Codes
+// of pixels beyond the row are meaningless.
 
 void codeCounts(const std::int16_t* HWY_RESTRICT support, std::int8_t* HWY_RESTRICT codes) {
   for (int i = 0; i < kBlock; ++i) {
@@ -194,7 +194,7 @@ void codeChange(const std::int16_t* HWY_RESTRICT own, const std::int16_t* HWY_RE
   }
 }
 
-/// What all proposals of a pixel share.
+/// Codes that are the same for all proposals of a pixel.
 void codePixels(const ProposalBlock& block, std::int8_t* const* codes) {
   codeBytes(block.confidence, block.count, codes[kConfidence]);
   codeMeans(block.confidence_sums, block.count, codes[kConfidence5]);
@@ -251,7 +251,7 @@ namespace {
 
 HWY_EXPORT(codeBlock);
 
-/// The padding, and what a block reads beyond the last pixel of a row.
+/// The padding, plus the pixels that a block reads beyond the end of a row.
 constexpr int kPadding = ConfidencePlanes::kBorderPx;
 constexpr std::array<int, 2> kConfidenceCells = {3, 5};
 
@@ -260,7 +260,7 @@ void pad(const cv::Mat& map, cv::Mat& padded) {
                      cv::BORDER_REPLICATE);
 }
 
-/// Around pixel (x, y).
+/// The pattern around pixel (x, y).
 PatternRows patternRows(const ConfidencePlanes& planes, int y, int x, int step) {
   PatternRows rows{};
   rows.step = step;

@@ -16,32 +16,32 @@
 
 namespace cbmv {
 
-/// Features of the selection forest, one byte each, in the order of their names. They describe a
+/// Features of the selection forest in the order of their names, one byte each. They describe a
 /// disparity that is proposed for a pixel:
-///   change        to the disparity of the map, 4 per px, 128: none
-///   left_right, border   as confidenceFeatureNames, of the proposal
-///   distance      of the pixel that it is taken from, px; 0: the pixel's own
+///   change        difference from the disparity of the map, 4 per px, 128: none
+///   left_right, border   of the proposal, as in confidenceFeatureNames
+///   distance      distance of the pixel that proposes it, px; 0: the pixel itself
 ///   source        60 per Source
-///   support_5     part of the 5 × 5 px around whose disparity is within 1 px of it, in 1/250
+///   support_5     fraction of the 5 × 5 px around with a disparity within 1 px, in 1/250
 ///   weighted_support_5   the same, each pixel weighted with its confidence
 ///   support_17, weighted_support_17   the same for 25 pixels 4 px apart
-///   confidence, confidence_5, _12, _20   of the map: of the pixel and mean over windows
-///   unmatched, unmatched_5, probability_5   as confidenceFeatureNames
-///   own_support_5, own_weighted_support_17   those of the map's disparity
+///   confidence, confidence_5, _12, _20   of the map: of the pixel and means over windows
+///   unmatched, unmatched_5, probability_5   as in confidenceFeatureNames
+///   own_support_5, own_weighted_support_17   for the disparity of the map
 const std::vector<std::string>& selectionFeatureNames();
 
-/// What the confidence forest said, and what is made of it once per pair.
+/// The results of the confidence forest, and data computed from them once per pair.
 class ConfidencePlanes {
  public:
-  /// `confidence` is CV_8UC1, in 1/255, and must stay as it is, as well as `planes`.
+  /// `confidence` is CV_8UC1 in 1/255. `confidence` and `planes` must not change afterwards.
   void prepare(const MapPlanes& planes, const cv::Mat& confidence);
 
-  static constexpr int kBorderPx = 8;  ///< of the padded maps
+  static constexpr int kBorderPx = 8;  ///< border of the padded maps
 
   cv::Mat confidence;
   cv::Mat padded_confidence;          ///< CV_16SC1, border repeated
   cv::Mat padded_disparity;           ///< CV_16SC1, border repeated
-  std::array<cv::Mat, 2> cell_means;  ///< of windows of 3 and 5 cells, CV_32SC1
+  std::array<cv::Mat, 2> cell_means;  ///< over windows of 3 and 5 cells, CV_32SC1
   ConfidentNeighbors neighbors;
 
  private:
@@ -49,26 +49,26 @@ class ConfidencePlanes {
   cv::Mat wide_confidence_;  ///< CV_16SC1
 };
 
-/// Computes the features of all proposals of some pixels of a row. Holds memory for one row.
+/// Computes the features of all proposals for some pixels of a row. Has memory for one row.
 class SelectionFeatures {
  public:
-  /// Pixels that are coded at once, from a multiple of it on.
+  /// Pixels per call of code(). Blocks begin at multiples of it.
   static constexpr int kBlock = 16;
-  /// Blocks whose queries fit one set of codes.
+  /// Number of blocks whose queries fit one set of codes.
   static constexpr int kSlots = 3;
   static_assert(kSlots * kBlock * kSources <= ConfidenceCodes::kQueries &&
                 kBlock % CellGrid::kCellPx == 0);
 
-  /// The query of a source's proposal for pixel `i` of the block in a slot.
+  /// Index of the query for the proposal of a source, for pixel `i` of the block in a slot.
   static constexpr int query(int source, int slot, int i) {
     return (source * kSlots + slot) * kBlock + i;
   }
 
-  /// Proposals of the pixels of a block, in planes' units, [source][pixel].
+  /// Proposals for the pixels of a block in units of the disparity plane, [source][pixel].
   using Proposals = std::array<std::array<std::int16_t, kBlock>, kSources>;
 
-  /// Is the proposal of a source for pixel `i` one at all, and more than 1 px from the pixel's own
-  /// disparity, if it has one?
+  /// Returns whether the source has a proposal for pixel `i` that is more than 1 px away from the
+  /// pixel's own disparity, if the pixel has one.
   static bool isNew(const Proposals& proposals, int source, int i, bool has_own) {
     const int proposal = proposals[source][i];
     return proposal != ConfidentNeighbors::kNoNeighbor &&
@@ -78,9 +78,9 @@ class SelectionFeatures {
   void resize(int width);
   void startRow(const MapPlanes& planes, const ConfidencePlanes& confidence,
                 const float* right_disparity, float right_invalid, int y);
-  /// Proposals for the `count` pixels from `x` on; kNoNeighbor where there is none.
+  /// Sets the proposals for the `count` pixels from `x` on. kNoNeighbor where there is none.
   void propose(int x, int count, Proposals& proposals) const;
-  /// Codes of these proposals, in the queries of `slot`.
+  /// Computes the codes of these proposals in the queries of `slot`.
   void code(int x, int count, const Proposals& proposals, int slot, ConfidenceCodes& codes) const;
 
  private:

@@ -17,7 +17,7 @@ using WindowLines = std::array<const Value*, kWindowRows>;
 }  // namespace cbmv
 #endif
 
-// Plain loops, which the compiler turns into vector code for each instruction set.
+// Plain loops, which the compiler vectorizes for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "selection/window_rows.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h

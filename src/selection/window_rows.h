@@ -16,12 +16,12 @@ class WindowRow {
 
   void resize(int width);
 
-  /// Of row `y` of `plane`: CV_8UC1, CV_16UC1 or CV_16SC1 with values up to ± 2^15. The result
-  /// holds a sum per column and is valid until the next call.
+  /// Sums around row `y` of `plane`, which is CV_8UC1, CV_16UC1 or CV_16SC1 with values up to ±
+  /// 2^15. Returns one sum per column, valid until the next call.
   const std::int32_t* sums(const cv::Mat& plane, int y);
 
  private:
-  std::vector<std::int32_t> vertical_;  ///< with kRadius columns more on both sides
+  std::vector<std::int32_t> vertical_;  ///< with kRadius more columns on both sides
   std::vector<std::int32_t> sums_;
 };
 
