@@ -6,7 +6,7 @@
 
 namespace cbmv {
 
-/// Arms of a row of a tile in two opposite directions. The combined arm of hypothesis h of column i
+/// Arms of a row of a tile in two opposite directions. The combined arm of hypothesis h in column i
 /// is the shorter of reference[·][4 * i] and other[·][i * other_step + h].
 struct ArmRows {
   std::array<const std::uint8_t*, 2> reference;
@@ -14,12 +14,12 @@ struct ArmRows {
   std::ptrdiff_t other_step;
 };
 
-/// Sums of the costs on the horizontal arms of a row of a tile, to be computed. `sums` holds for
-/// each column two lines of `pitch` elements: sums and numbers of pixels.
+/// Input and output of one summation: sums of the costs on the horizontal arms of a row of a tile.
+/// `sums` has two lines of `pitch` elements per column: the sums and the numbers of pixels.
 template <typename Cost, typename Sum>
 struct RowToSum {
-  const Cost* costs;          // of the first column
-  std::ptrdiff_t pixel_step;  // from one column to the next, in costs
+  const Cost* costs;          // at the first column
+  std::ptrdiff_t pixel_step;  // distance between columns in `costs`
   int columns;
   int hypotheses;
   ArmRows arms;  // left, right
@@ -27,8 +27,8 @@ struct RowToSum {
   std::ptrdiff_t pitch;
 };
 
-/// Means over the regions of a row of a tile, to be computed. rows[k] are the sums of the row k
-/// rows below, as in RowToSum.
+/// Input and output of one averaging: means over the regions of a row of a tile. rows[k] are the
+/// sums, as in RowToSum, k rows below.
 template <typename Sum>
 struct RowToAverage {
   const Sum* const* rows;
@@ -36,8 +36,8 @@ struct RowToAverage {
   int columns;
   int hypotheses;
   ArmRows arms;               // up, down
-  std::uint16_t* means;       // of the first column
-  std::ptrdiff_t pixel_step;  // from one column to the next, in means
+  std::uint16_t* means;       // at the first column
+  std::ptrdiff_t pixel_step;  // distance between columns in `means`
 };
 
 }  // namespace cbmv

@@ -1,4 +1,4 @@
-// Loads and stores of costs, compiled once per instruction set.
+// Loads and stores of costs. Compiled once per instruction set.
 #if defined(CBMV_OPTIMIZATION_COST_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_OPTIMIZATION_COST_VECTORS_INL_H
 #undef CBMV_OPTIMIZATION_COST_VECTORS_INL_H
@@ -16,11 +16,11 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// As many lanes as a cache line holds, or fewer.
+/// At most as many lanes as a cache line holds.
 template <typename Value>
 using LineTag = hn::CappedTag<Value, 64 / sizeof(Value)>;
 
-/// Values, or narrower ones widened, from any address.
+/// Loads values from any address. Narrower values are widened.
 template <class Tag, typename Value>
 HWY_INLINE hn::Vec<Tag> loadWidened(Tag tag, const Value* values) {
   if constexpr (sizeof(Value) == sizeof(hn::TFromD<Tag>)) {

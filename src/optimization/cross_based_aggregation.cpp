@@ -23,27 +23,27 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Sums of 16 bits are kept modulo 2^16, and beside them in one lane the sum of the rows' sums
-/// divided by 2^kLowBits, which tells the higher bits, and from bit kPixelsShift on the number of
-/// pixels.
+/// 16-bit sums are kept modulo 2^16. A second lane has the other information. Its lower bits are
+/// the sum of the row sums divided by 2^kLowBits, from which the high bits of the sum follow. Its
+/// bits from kPixelsShift on are the number of pixels.
 constexpr int kLowBits = 12;
 constexpr int kPixelsShift = 8;
 
-/// Combined arms of the hypotheses from `h` on; `arm` is 0 or 1, the first or second direction.
+/// Combined arms of the hypotheses from `h` on. `arm` is 0 or 1: the first or the second direction.
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> combinedArms(Tag tag, const ArmRows& rows, int arm, int column, int h) {
   const std::uint8_t* other = rows.other[arm] + column * rows.other_step + h;
   return hn::Min(hn::Set(tag, rows.reference[arm][4 * column]), loadWidened(tag, other));
 }
 
-/// Lanes whose arm holds at least `length` pixels.
+/// Lanes whose arm has at least `length` pixels.
 template <class Tag, class ArmVector>
 HWY_INLINE hn::Mask<Tag> reaches(Tag tag, ArmVector arms, int length) {
   return hn::RebindMask(tag, hn::Gt(arms, hn::Set(hn::RebindToSigned<Tag>(), length - 1)));
 }
 
-/// Adds the costs of the pixels that lie on the arms, the first one `step` further than `costs`,
-/// none beyond the `longest` arm, to the sums of two vectors of hypotheses.
+/// Adds the costs of the pixels on the arms to the sums of two vectors of hypotheses. The first
+/// pixel is one `step` after `costs`. Stops at the `longest` arm.
 template <class Tag, typename Cost, class ArmVector>
 HWY_INLINE void addCostsOnArms(Tag tag, const Cost* costs, std::ptrdiff_t step, int longest,
                                ArmVector arms0, ArmVector arms1, hn::Vec<Tag>& sums0,
@@ -57,8 +57,8 @@ HWY_INLINE void addCostsOnArms(Tag tag, const Cost* costs, std::ptrdiff_t step, 
   }
 }
 
-/// Sums of a row and their number of pixels. `first` and `second`, whose sum may be too large for
-/// 16 bits, fit their lanes.
+/// Stores the sums of a row and their numbers of pixels. `first` and `second` fit their lanes, but
+/// their sum may exceed 16 bits.
 template <class Tag>
 HWY_INLINE void storeSums(Tag tag, hn::Vec<Tag> first, hn::Vec<Tag> second, hn::Vec<Tag> pixels,
                           hn::TFromD<Tag>* sums, std::ptrdiff_t pitch) {
@@ -131,12 +131,12 @@ HWY_INLINE void addRowsOnArms(Tag tag, const RowToAverage<hn::TFromD<Tag>>& row,
   }
 }
 
-/// sum / pixels to the nearest integer, halves up, for means of at most 16383 over at most 225
-/// pixels. In the upper bits is something else.
+/// sum / pixels, rounded to the nearest integer (halves up), for means of at most 16383 over at
+/// most 225 pixels. Only the lower 16 bits of the result are valid.
 ///
-/// Exact: halves are exact in float, and the offset of an ulp takes them up; other quotients are at
-/// least 1/450 away from a half, further than offset and rounding can lift them. Adding 2^23 rounds
-/// to whole numbers and leaves them in the lower bits.
+/// The result is exact. Halves are exact in float, and the small offset rounds them up. All other
+/// quotients are at least 1/450 away from a half, which is more than the offset plus the rounding
+/// error. Adding 2^23 rounds to an integer and leaves it in the low bits.
 template <class Integers>
 HWY_INLINE hn::Vec<Integers> divide(Integers tag, hn::Vec<Integers> sum, hn::Vec<Integers> pixels) {
   const hn::RebindToFloat<Integers> real;
@@ -145,7 +145,7 @@ HWY_INLINE hn::Vec<Integers> divide(Integers tag, hn::Vec<Integers> sum, hn::Vec
   return hn::BitCast(tag, hn::Add(above_half, hn::Set(real, 8388608.0F)));
 }
 
-/// Divides even and odd lanes apart, as lanes of 32 bits.
+/// Divides even and odd lanes separately, as 32-bit lanes.
 HWY_INLINE void storeMeans(LineTag<std::uint16_t> tag, hn::Vec<LineTag<std::uint16_t>> sums,
                            hn::Vec<LineTag<std::uint16_t>> pixels, int count,
                            std::uint16_t* means) {
@@ -159,7 +159,7 @@ HWY_INLINE void storeMeans(LineTag<std::uint16_t> tag, hn::Vec<LineTag<std::uint
   const auto even = hn::Set(wide, 0xffff);
   const auto even_mean =
       divide(wide, hn::Or(hn::And(low, even), hn::ShiftLeft<16>(high)), hn::And(number, even));
-  // The sums are below 2^22: `high` and `number` have no sign to extend.
+  // The sums are below 2^22, so `high` and `number` have no sign bit.
   const auto odd_low = hn::And(hn::ShiftRight<16>(low), even);
   const auto odd_mean =
       divide(wide, hn::Or(odd_low, hn::AndNot(even, high)), hn::ShiftRight<16>(number));
@@ -167,7 +167,7 @@ HWY_INLINE void storeMeans(LineTag<std::uint16_t> tag, hn::Vec<LineTag<std::uint
   storeFirst(tag, hn::BitCast(tag, both), count, means);
 }
 
-/// In double, where the integers are exact up to 2^53.
+/// In double, which is exact for integers up to 2^53.
 HWY_INLINE void storeMeans(LineTag<std::uint32_t> tag, hn::Vec<LineTag<std::uint32_t>> sums,
                            hn::Vec<LineTag<std::uint32_t>> pixels, int count,
                            std::uint16_t* means) {
@@ -238,7 +238,7 @@ void averageRow(const RowToAverage<std::uint32_t>& row) { HWY_DYNAMIC_DISPATCH(a
 /// Channels of the arms.
 enum Arm { kLeftArm = 0, kRightArm = 1, kUpArm = 2, kDownArm = 3 };
 
-/// Part of the volumes that is worked on at once: all rows of some columns and disparities.
+/// Part of the volumes that is processed at once: all rows of some columns and disparities.
 struct Tile {
   cv::Range columns;
   cv::Range disparities;  // indices
@@ -246,10 +246,10 @@ struct Tile {
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-/// The arms of the other image, by channel, ordered such that those at the matching columns of a
-/// pixel's hypotheses are contiguous: mirrored for the left view, where the matching column falls
-/// as d grows. No arms outside of the other image: the region of such a hypothesis is itself, a
-/// copy.
+/// The arms of the other image, one plane per channel. The order makes the arms at the matching
+/// columns of a pixel's hypotheses contiguous: mirrored for the left view, where the matching
+/// column decreases as d grows. Arms outside of the other image are 0, so the region of such a
+/// hypothesis is the pixel itself, and its cost is copied.
 class MatchingArms {
  public:
   void assign(const cv::Mat& arms, View view, const DisparityRange& range) {
@@ -270,11 +270,11 @@ class MatchingArms {
     });
   }
 
-  /// Of the hypotheses of pixel (x, y).
+  /// Arms for the hypotheses of pixel (x, y).
   const std::uint8_t* hypotheses(Arm arm, int y, int x) const {
     return planes_[arm].ptr<std::uint8_t>(y) + (mirrored_ ? width_ - 1 - x : x);
   }
-  /// From one column to the next.
+  /// Distance between columns.
   int step() const { return mirrored_ ? -1 : 1; }
 
  private:
@@ -298,31 +298,31 @@ struct Inputs {
   int longest_arm_px;
 };
 
-/// Elements of a cache line.
+/// Elements per cache line.
 template <typename Value>
 constexpr int kLine = 64 / sizeof(Value);
 
-/// Sums along the rows of a tile, of as many rows as arms can span.
+/// Ring buffer with sums along the rows of a tile, for as many rows as arms can span.
 template <typename Sum>
 class Ring {
  public:
-  /// Makes room for tiles of up to so many columns and disparities.
+  /// Makes room for tiles with at most this many columns and disparities.
   void resize(int columns, int disparities, int longest_arm_px) {
     rows_ = 2 * longest_arm_px + 1;
     pitch_ = roundUp(disparities, 2 * kLine<Sum>);
-    // One line more keeps the rows, often multiples of a power of two, from competing for one part
-    // of the cache.
+    // One extra line avoids cache conflicts between rows whose size is a multiple of a power of
+    // two.
     row_size_ = 2 * pitch_ * columns + kLine<Sum>;
     sums_.resize(row_size_ * rows_);
     around_.resize(rows_);
   }
 
-  /// Elements of a line of sums, or numbers of pixels, of a column.
+  /// Length of a line of sums or numbers of pixels of one column, in elements.
   std::ptrdiff_t pitch() const { return pitch_; }
-  /// `y` may lie one ring above the image.
+  /// `y` may be up to one ring size above the image.
   Sum* row(int y) { return sums_.data() + (y + rows_) % rows_ * row_size_; }
 
-  /// rowsAround(y)[k] is row(y + k) for k as far as arms reach.
+  /// rowsAround(y)[k] is row(y + k), for k within the longest arm.
   const Sum* const* rowsAround(int y) {
     for (int k = 0; k < rows_; ++k) {
       around_[k] = row(y - rows_ / 2 + k);
@@ -396,7 +396,7 @@ void aggregateTiles(const Inputs<Cost>& inputs, PerThread<Ring<Sum>>& rings,
                     OptimizedVolume& aggregated) {
   const int width = inputs.costs.width();
   const int count = inputs.costs.disparities();
-  // The ring should fit the second-level cache; a tile reads the costs of its neighbours, too.
+  // The ring should fit into the second-level cache. A tile also reads the costs of its neighbors.
   const int tile_disparities = std::min(sizeof(Sum) == 2 ? 256 : 32, count);
   const int tile_columns = std::min(std::max(48, 2 * inputs.longest_arm_px), width);
   const int tiles_across = (width + tile_columns - 1) / tile_columns;
@@ -412,8 +412,8 @@ void aggregateTiles(const Inputs<Cost>& inputs, PerThread<Ring<Sum>>& rings,
   });
 }
 
-/// Whether 16 bits suffice for the sum on an arm with its centre, for the low bits of a region, and
-/// 8 bits for the rest of them and for the number of pixels.
+/// Returns whether 16 bits suffice for the sum on an arm with its center and for the low bits of a
+/// region, and 8 bits for the high bits and for the number of pixels.
 bool fit16Bits(int longest_arm_px, int max_cost) {
   const int span = 2 * longest_arm_px + 1;
   return span <= 15 && (longest_arm_px + 1) * max_cost <= 0xffff &&

@@ -10,29 +10,31 @@
 
 namespace cbmv {
 
-/// The support crosses of a pair: CV_8UC4 of the same size, from computeSupportArms.
+/// The support crosses of a pair, from computeSupportArms: two CV_8UC4 maps of the same size.
 struct SupportArms {
-  cv::Mat reference;  ///< of the image that the costs are registered to
+  cv::Mat reference;  ///< for the image that the costs are registered to
   cv::Mat other;
-  int longest_px = 0;  ///< no arm of `reference` is longer
+  int longest_px = 0;  ///< length of the longest arm of `reference`, or more
 };
 
-/// Cross-based cost aggregation (Žbontar & LeCun 2016, section 4.1): every cost is replaced by the
-/// mean, rounded to the nearest integer (halves up), over the combined support region of its two
-/// pixels. Holds the memory of the sums, which is kept from run to run, so one object serves one
-/// volume at a time.
+/// Cross-based cost aggregation (Žbontar & LeCun 2016, section 4.1). Every cost is replaced by the
+/// mean over the combined support region of its two pixels, rounded to the nearest integer (halves
+/// up).
 ///
-/// The combined arm of hypothesis (x, y, d) is, in each of the four directions, the shorter of the
-/// arm at (x, y) in the reference image and the arm at (matchingColumn(view, x, d), y) in the other
-/// one. The region is the union of the combined horizontal arms of all pixels on the combined
-/// vertical arm. Hypotheses whose match lies outside of the other image are copied; a region never
-/// reaches such a hypothesis.
+/// The combined arm of hypothesis (x, y, d) in each of the four directions is the shorter of two
+/// arms: the arm at (x, y) in the reference image, and the arm at (matchingColumn(view, x, d), y)
+/// in the other image. The region is the union of the combined horizontal arms of all pixels on the
+/// combined vertical arm. Hypotheses whose match is outside of the other image are copied. A region
+/// never contains such a hypothesis.
 ///
 /// `costs` and `aggregated` are different volumes; `aggregated` is resized. The reference image of
-/// `arms` is the one that `view` names. No cost is above `max_cost`, which is at most 16383; the
-/// lower it is and the shorter the arms, the faster the sums (16-bit ones up to arms of 5 pixels
-/// and costs of 10922). Vectors by Highway, parallel by oneTBB; the result depends neither on the
-/// instruction set nor on the number of threads nor on earlier runs.
+/// `arms` is the image of `view`. No cost may exceed `max_cost`, which is at most 16383. Sums are
+/// faster for lower `max_cost` and shorter arms; sums of 16 bits are possible for arms of up to 5
+/// pixels and costs of up to 10922.
+///
+/// Vectors by Highway, parallel by oneTBB. The result does not depend on the instruction set, the
+/// number of threads or earlier runs. The object keeps the memory of the sums from run to run, so
+/// it processes one volume at a time.
 class CostAggregator {
  public:
   CostAggregator();
@@ -40,11 +42,11 @@ class CostAggregator {
   CostAggregator(const CostAggregator&) = delete;
   CostAggregator& operator=(const CostAggregator&) = delete;
 
-  /// One iteration.
+  /// Runs one iteration.
   void aggregate(const OptimizedVolume& costs, int max_cost, const SupportArms& arms, View view,
                  const DisparityRange& range, OptimizedVolume& aggregated);
 
-  /// The same on matching costs as they come.
+  /// Runs one iteration on matching costs.
   void aggregate(const MatchingVolume& costs, int max_cost, const SupportArms& arms, View view,
                  const DisparityRange& range, OptimizedVolume& aggregated);
 

@@ -11,8 +11,8 @@
 namespace cbmv {
 namespace {
 
-/// Whether each of `count` pixels differs from the one `distance` before it by at least
-/// `lowest_step` grey levels.
+/// Marks each of `count` pixels that differs from the pixel `distance` before it by at least
+/// `lowest_step` gray levels.
 void markSteps(const std::uint8_t* pixels, std::ptrdiff_t distance, int count, int lowest_step,
                std::uint8_t* edges) {
   const std::uint8_t* neighbours = pixels - distance;
@@ -28,7 +28,7 @@ void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges) {
   const cv::Size size(grey.cols + 1, grey.rows + 1);
   edges.horizontal.create(size, CV_8UC1);
   edges.vertical.create(size, CV_8UC1);
-  // A whole number reaches the threshold exactly when it reaches the threshold rounded up.
+  // An integer reaches the threshold exactly if it reaches the threshold rounded up.
   const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
   const auto stride = static_cast<std::ptrdiff_t>(grey.step1());
   tbb::parallel_for(0, size.height, [&](int y) {

@@ -4,9 +4,8 @@
 
 namespace cbmv {
 
-/// The two images of a pair as semi-global matching sees them: CV_8UC1, same size, and the
-/// intensity step in gray levels from which on a step counts as an edge (tau_so times the image's
-/// standard deviation).
+/// The images of a pair for SGM: CV_8UC1, of the same size. An intensity difference of at least the
+/// threshold, in gray levels, is an edge (tau_so times the standard deviation of the intensities).
 struct EdgeImages {
   cv::Mat reference;
   cv::Mat other;
@@ -14,16 +13,15 @@ struct EdgeImages {
   float other_threshold_grey = 0;
 };
 
-/// Edges of an image, CV_8UC1: non-zero at (y, x) where there is one between (y, x) and
-/// its left neighbour (`horizontal`) or its upper neighbour (`vertical`). One row and one column
-/// larger than the image, zero where a neighbour is missing.
+/// Edges of an image, CV_8UC1. A pixel (y, x) is non-zero if there is an edge between it and its
+/// left neighbor (`horizontal`) or its upper neighbor (`vertical`). The maps have one row and one
+/// column more than the image. Pixels without this neighbor are zero.
 struct EdgeMaps {
   cv::Mat horizontal;
   cv::Mat vertical;
 };
 
-/// Finds the edges of `grey` (CV_8UC1). The memory of `edges` is reused. Parallel over rows by
-/// oneTBB.
+/// Finds the edges of `grey` (CV_8UC1). Reuses the memory of `edges`. Parallel over rows by oneTBB.
 void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges);
 
 }  // namespace cbmv

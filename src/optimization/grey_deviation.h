@@ -4,9 +4,9 @@
 
 namespace cbmv {
 
-/// Standard deviation of an image's intensity, in grey levels: the unit of the thresholds
-/// AggregationOptions::intensity_threshold and SgmOptions::edge_threshold. Of all pixels, so
-/// divided by their number. `grey` is CV_8UC1 and not empty.
+/// Standard deviation of the intensities of an image in gray levels (population standard
+/// deviation). It is the unit of the thresholds AggregationOptions::intensity_threshold and
+/// SgmOptions::edge_threshold. `grey` is CV_8UC1 and not empty.
 float greyDeviation(const cv::Mat& grey);
 
 }  // namespace cbmv

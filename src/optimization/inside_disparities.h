@@ -8,8 +8,8 @@
 
 namespace cbmv {
 
-/// Indices of the disparities of column x whose match lies inside of the other image, `width`
-/// pixels wide: [start, end), empty when there are none.
+/// Indices [start, end) of the disparities of column x whose match is inside of the other image,
+/// which is `width` pixels wide. Empty if there are none.
 inline cv::Range insideDisparities(View view, const DisparityRange& range, int x, int width) {
   // The disparities that match the first and the last column of the other image.
   const int lowest = view == View::kLeft ? x - (width - 1) : -x;

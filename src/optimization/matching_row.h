@@ -12,14 +12,13 @@
 
 namespace cbmv {
 
-/// One value per column of a row of the other image, ordered such that the values at the matching
-/// columns of a reference pixel's hypotheses d = min, min + 1, … are contiguous: reversed for the
-/// left view, where the matching column falls as d grows. Whole vectors may be read from any of
-/// them on.
+/// One value per column of a row of the other image. The order makes the values at the matching
+/// columns of a pixel's hypotheses d = min, min + 1, … contiguous: reversed for the left view,
+/// where the matching column decreases as d grows. A whole vector may be read from any value.
 template <typename Value>
 class MatchingRow {
  public:
-  /// Makes room for the reference pixels in `columns` and the disparities in `range`.
+  /// Makes room for the reference pixels in `columns` and the disparities of `range`.
   void resize(View view, const cv::Range& columns, const DisparityRange& range) {
     forward_ = view == View::kRight;
     columns_ = columns;
@@ -28,9 +27,9 @@ class MatchingRow {
     values_.resize(matches_ + kReadableBytesBeyond / sizeof(Value));
   }
 
-  /// Takes the values of a row of the other image, `outside` for columns outside of its `width`.
+  /// Copies the values of a row of the other image. Columns outside of its `width` get `outside`.
   void fill(const Value* row, int width, Value outside) {
-    // Of value i, the column is first_match_ + i or first_match_ − i.
+    // The column of value i is first_match_ + i or first_match_ − i.
     const int lowest = forward_ ? -first_match_ : first_match_ - (width - 1);
     const int begin = std::clamp(lowest, 0, matches_);
     const int end = std::clamp(lowest + width, begin, matches_);
@@ -48,7 +47,7 @@ class MatchingRow {
   int size() const { return matches_; }
   const Value* data() const { return values_.data(); }
 
-  /// Where the hypotheses of column x start in data().
+  /// Offset in data() of the hypotheses of column x.
   std::ptrdiff_t offset(int x) const {
     return forward_ ? x - columns_.start : columns_.end - 1 - x;
   }

@@ -9,22 +9,22 @@
 
 namespace cbmv {
 
-/// One image of a pair with what aggregation and semi-global matching need of it.
+/// One image of a pair with its data for CBCA and SGM.
 struct PreparedImage {
   cv::Mat gray;         ///< CV_8UC1
-  cv::Mat arms;         ///< computeSupportArms; empty if there is no aggregation
-  float deviation = 0;  ///< greyDeviation
-  cv::Mat surface;      ///< map of surface_prior.h; empty: unknown
+  cv::Mat arms;         ///< from computeSupportArms; empty without aggregation
+  float deviation = 0;  ///< from greyDeviation
+  cv::Mat surface;      ///< surface map (surface_prior.h); empty: unknown
 
-  /// Sets all but the surface; memory is reused.
+  /// Sets everything except the surface. Memory is reused.
   void prepare(const cv::Mat& image, const AggregationOptions& options);
 };
 
-/// What aggregation takes of the view whose image is `reference`.
+/// Inputs of CBCA for the view with the image `reference`.
 SupportArms supportArmsOf(const PreparedImage& reference, const PreparedImage& other,
                           const AggregationOptions& options);
 
-/// What semi-global matching takes of it.
+/// Inputs of SGM for this view.
 EdgeImages edgeImagesOf(const PreparedImage& reference, const PreparedImage& other,
                         const SgmOptions& options);
 

@@ -13,10 +13,10 @@
 namespace cbmv {
 namespace {
 
-/// Vertical paths advance this many columns at once: wide enough to read whole pages, narrow enough
-/// to keep two rows of path costs close to the core.
+/// Number of columns that vertical paths process together. It is large enough to read whole pages,
+/// and small enough to keep two rows of path costs in the caches near the core.
 constexpr int kColumnsPerBlock = 64;
-/// Rows of a band: enough to keep all threads busy between two waits for each other.
+/// Rows per thread in a band: enough to keep all threads busy between two synchronizations.
 constexpr int kRowsPerThread = 4;
 
 }  // namespace
@@ -73,8 +73,8 @@ class SemiGlobalMatcher::Impl {
     rows_.prepare([&](RowPaths& paths) { paths.resize(setup_); });
   }
 
-  /// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
-  /// columns, while the band is still in the cache; upwards along the columns.
+  /// Passes over the volumes twice. Downward in bands of rows: first along the rows, then along the
+  /// columns while the band is in the cache. Upward along the columns.
   template <typename Cost>
   void addPaths(const Volume<Cost>& costs, OptimizedVolume& sums) {
     const int height = setup_.height;

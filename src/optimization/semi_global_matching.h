@@ -12,29 +12,35 @@
 
 namespace cbmv {
 
-/// Semi-global matching along four directions (Hirschmüller 2008 with the penalties of
-/// Žbontar & LeCun 2016, section 4.2). Holds the memory of the paths, which is kept from run to
-/// run, so one object serves one volume at a time.
+/// Semi-global matching along four directions (Hirschmüller 2008 with the penalties of Žbontar &
+/// LeCun 2016, section 4.2).
 ///
-/// Along the path r (from the left, right, above, below), with p the pixel and q = p − r,
+/// Along the path r (from the left, right, above, below), with the pixel p and q = p − r:
 ///   L_r(p, d) = C(p, d) − min_k L_r(q, k)
-///             + min{ L_r(q, e), L_r(q, e−1) + P1, L_r(q, e+1) + P1, min_k L_r(q, k) + P2 },
-/// and L_r = C at the first pixel of a path. e = d, but where a surface is known that rises by
-/// s = surface(p) − surface(q) = ±1 from q to p, e = d − s (Scharstein et al. 2017): going on along
-/// the surface costs nothing. P1 and P2 are `options.p1`, `options.p2` times 255,
-/// depending on the hypothesis: an edge in the reference image is |I(p) − I(q)| ≥ threshold, in the
-/// other image the same at the matching columns of p and q for disparity d (no edge where one of
-/// them lies outside). No edge: P1, P2; an edge in one image: both divided by q1; in both images:
-/// by q1·q2. On vertical paths P1 is divided by alpha1 on top. Penalties are rounded to the nearest
-/// integer: std::lround(255.0 * p / divisor), with the divisors multiplied with each other first,
-/// in double.
+///             + min{ L_r(q, e), L_r(q, e−1) + P1, L_r(q, e+1) + P1, min_k L_r(q, k) + P2 }.
+/// At the first pixel of a path, L_r = C. e = d, except where a known surface rises by s =
+/// surface(p) − surface(q) = ±1 from q to p: there e = d − s (Scharstein et al. 2017). So following
+/// the surface costs nothing.
+///
+/// P1 and P2 are `options.p1` and `options.p2` times 255, divided depending on the hypothesis. The
+/// reference image has an edge if |I(p) − I(q)| ≥ threshold. The other image has an edge if the
+/// same is true at the columns that match p and q at disparity d; there is no edge if one of them
+/// is outside.
+/// - No edge: P1, P2.
+/// - An edge in one image: both divided by q1.
+/// - Edges in both images: both divided by q1·q2.
+/// - On vertical paths, P1 is also divided by alpha1.
+/// Penalties are rounded to the nearest integer: std::lround(255.0 * p / divisor). The divisors are
+/// multiplied first, in double.
 ///
 /// `mean` becomes (L_left + L_right + L_above + L_below + 2) / 4. `costs` and `mean` are different
-/// volumes; `mean` is resized. Penalties and costs must satisfy
-/// max(costs) + 255·p2 ≤ 16383 (sgmCostBound): throws Error if p2 alone exceeds it, if p1 is
-/// negative or above p2, or if q1, q2 or alpha1 is below 1. Vectors by Highway, parallel by oneTBB;
-/// the result depends neither on the instruction set nor on the number of threads nor on earlier
-/// runs.
+/// volumes; `mean` is resized. Penalties and costs must satisfy max(costs) + 255·p2 ≤ 16383
+/// (sgmCostBound). Throws Error if p2 alone exceeds this bound, if p1 is negative or above p2, or
+/// if q1, q2 or alpha1 is below 1.
+///
+/// Vectors by Highway, parallel by oneTBB. The result does not depend on the instruction set, the
+/// number of threads or earlier runs. The object keeps the memory of the paths from run to run, so
+/// it processes one volume at a time.
 class SemiGlobalMatcher {
  public:
   SemiGlobalMatcher();
@@ -42,12 +48,13 @@ class SemiGlobalMatcher {
   SemiGlobalMatcher(const SemiGlobalMatcher&) = delete;
   SemiGlobalMatcher& operator=(const SemiGlobalMatcher&) = delete;
 
-  /// One run. `surface` is a surface map (surface_prior.h) of the reference image, or empty.
+  /// Runs one iteration. `surface` is a surface map (surface_prior.h) of the reference image, or
+  /// empty.
   void match(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
              View view, const DisparityRange& range, const SgmOptions& options,
              OptimizedVolume& mean);
 
-  /// The same on matching costs as they come.
+  /// Runs one iteration on matching costs.
   void match(const MatchingVolume& costs, const EdgeImages& images, const cv::Mat& surface,
              View view, const DisparityRange& range, const SgmOptions& options,
              OptimizedVolume& mean);

@@ -21,10 +21,10 @@ using PathTag = LineTag<PathCost>;
 using SumTag = LineTag<std::uint16_t>;
 using PathVector = hn::Vec<PathTag>;
 
-/// What becomes of the costs of a path in the sums.
+/// How path costs are combined with the sums.
 enum class Accumulation { kSet, kAdd, kAddAndAverage };
 
-/// Of the first `count` lanes; no sum behind them is read.
+/// Combines the first `count` lanes. Sums after them are not read.
 template <Accumulation accumulation>
 HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, [[maybe_unused]] const std::uint16_t* sums,
                                       [[maybe_unused]] int count) {
@@ -39,7 +39,7 @@ HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, [[maybe_unused]] const s
   }
 }
 
-/// The recurrence of the header for one vector of hypotheses of a pixel.
+/// The recurrence (semi_global_matching.h) for one vector of hypotheses of a pixel.
 template <typename Cost>
 HWY_INLINE PathVector pathCosts(const Cost* costs, const PathCost* previous,
                                 PathVector lowest_previous, const PathCost* p1,
@@ -53,7 +53,7 @@ HWY_INLINE PathVector pathCosts(const Cost* costs, const PathCost* previous,
   return hn::Add(matching, hn::Sub(best, lowest_previous));
 }
 
-/// Adds the pixel in `column` to a path. Returns the smallest of the new path costs in all lanes.
+/// Adds the pixel in `column` to a path. Returns the lowest of the new path costs in all lanes.
 template <Accumulation accumulation, typename Cost>
 HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalties& penalties,
                                  int column, const PathCost* previous, PathVector lowest_previous,
@@ -82,14 +82,14 @@ HWY_INLINE PathVector extendPath(const PathPixels<Cost>& pixels, const RowPenalt
     lowest = hn::Min(lowest, cost);
     hn::Store(cost, tag, current + h);
     const int rest = disparities - h;
-    // Behind the last column may lie sums that another thread works on.
+    // Another thread may write the sums after the last column.
     const int readable = column + 1 < pixels.columns ? lanes : rest;
     storeFirst(SumTag(), accumulate<accumulation>(cost, sums + h, readable), rest, sums + h);
   }
   return hn::MinOfLanes(tag, lowest);
 }
 
-/// One step of vertical paths.
+/// Processes one step of vertical paths.
 template <Accumulation accumulation, typename Cost>
 HWY_INLINE void extendColumns(const PathPixels<Cost> pixels, const RowPenalties penalties,
                               const PathEnds ends) {
@@ -119,9 +119,9 @@ void averageColumnsOfWords(const PathPixels<std::uint16_t>& pixels, const RowPen
   extendColumns<Accumulation::kAddAndAverage>(pixels, penalties, ends);
 }
 
-/// Both paths along a row, at once since each of them waits for its previous pixel all the time:
-/// whichever comes first to a pixel sets the sums. Path 0 of the ends is from the left, path 1 from
-/// the right.
+/// Processes both paths along a row together, because each has to wait for its previous pixel. The
+/// path that reaches a pixel first sets its sums. Path 0 is from the left, path 1 is from the
+/// right.
 template <typename Cost>
 HWY_INLINE void extendBothWays(const PathPixels<Cost> pixels, const RowPenalties from_left,
                                const RowPenalties from_right, const PathEnds ends) {

@@ -4,25 +4,25 @@
 
 #include "optimization/path_rows.h"
 
-// The steps of the paths of semi-global matching over all hypotheses, on vectors by Highway.
-// Matching costs are bytes before the first run and words afterwards.
+// Vectorized steps of SGM paths over all hypotheses, by Highway. Costs are bytes in the first run
+// and 16-bit integers in later runs.
 
 namespace cbmv {
 
-/// One step of vertical paths: adds their costs to the sums.
+/// Processes one step of vertical paths: adds their costs to the sums.
 void addColumns(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
                 const PathEnds& ends);
 void addColumns(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
                 const PathEnds& ends);
 
-/// The same for the last of the four paths: the sums become means of the four.
+/// The same for the last of the four paths: the sums become means of the four paths.
 void averageColumns(const PathPixels<std::uint8_t>& pixels, const RowPenalties& penalties,
                     const PathEnds& ends);
 void averageColumns(const PathPixels<std::uint16_t>& pixels, const RowPenalties& penalties,
                     const PathEnds& ends);
 
-/// Both paths along a row, all their steps: the sums become the sums of the two. Path 0 of the ends
-/// is the one from the left, path 1 the one from the right.
+/// Processes all steps of both paths along a row: sets the sums to the sums of the two path costs.
+/// Path 0 of `ends` is from the left, path 1 is from the right.
 void setRow(const PathPixels<std::uint8_t>& pixels, const RowPenalties& from_left,
             const RowPenalties& from_right, const PathEnds& ends);
 void setRow(const PathPixels<std::uint16_t>& pixels, const RowPenalties& from_left,

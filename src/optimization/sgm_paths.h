@@ -19,11 +19,11 @@
 
 #include "cbmv_stereo/disparity_range.h"
 
-// The paths of semi-global matching over a volume: their penalties, their memory and their steps.
+// The paths of SGM over a volume: penalties, memory and steps.
 
 namespace cbmv {
 
-/// What all paths have in common beside the costs.
+/// Common data of all paths, except the costs.
 struct PathSetup {
   View view = View::kLeft;
   DisparityRange range;
@@ -33,16 +33,16 @@ struct PathSetup {
   SgmPenalties vertical{};
   EdgeMaps reference;
   EdgeMaps other;
-  cv::Mat surface;  // with a border of one pixel without a surface; empty: none anywhere
+  cv::Mat surface;  // with a border of one pixel without a surface; empty: no surface
 
-  /// The surface at the pixels (x + dx, y); nullptr if there is none.
+  /// The surface at the pixels (x + dx, y). nullptr if there is none.
   const std::int16_t* surfaceRow(int y, int dx = 0) const {
     return surface.empty() ? nullptr : surface.ptr<std::int16_t>(y + 1) + 1 + dx;
   }
 };
 
-/// Two neighbouring rows or columns of pixels, the second one next on the path. Pointers are to the
-/// first column of the image.
+/// Two neighboring rows or columns of pixels; the second is the next on the path. Pointers are to
+/// the first column of the image.
 struct PathStep {
   const std::uint8_t* reference_edges;
   const std::uint8_t* other_edges;
@@ -50,8 +50,8 @@ struct PathStep {
   const std::int16_t* previous_surface;
 };
 
-/// How far the surface rises from one pixel to the next. Where that is more than a disparity, the
-/// two pixels rather see two surfaces.
+/// Rise of the surface between two pixels. If the difference is more than one disparity, the pixels
+/// probably belong to different surfaces, and the rise is 0.
 inline std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
   const int rise = next - previous;
   return previous != kNoSurface && next != kNoSurface && std::abs(rise) <= 1
@@ -59,7 +59,7 @@ inline std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
              : std::int8_t{0};
 }
 
-/// Penalties of all hypotheses of the pixels of one row, or of a part of one.
+/// Penalties for all hypotheses of the pixels of a row or a part of it.
 class PenaltyRow {
  public:
   void resize(const PathSetup& setup, const cv::Range& columns, const SgmPenalties& penalties) {
@@ -94,7 +94,7 @@ class PenaltyRow {
   }
 
  private:
-  using Table = std::array<std::vector<PathCost>, 2>;  // by edge in the reference image
+  using Table = std::array<std::vector<PathCost>, 2>;  // indexed by the edge in the reference image
 
   void select(PathCost without_edge, PathCost with_edge, std::vector<PathCost>& penalties) const {
     const std::uint8_t* edges = other_edges_.data();
@@ -113,7 +113,7 @@ class PenaltyRow {
   std::vector<std::int8_t> rises_;
 };
 
-/// Memory of neighbouring paths of one direction.
+/// Memory of neighboring paths of one direction.
 class PathFront {
  public:
   void resize(int paths, int disparities) {
@@ -124,7 +124,7 @@ class PathFront {
     current_.assign(previous_.size(), kGuard);
   }
 
-  /// Starts anew with all costs zero, from which the first step leads to L_r = C.
+  /// Starts new paths: sets all costs to zero, so that the first step gives L_r = C.
   void reset() {
     for (std::size_t i = 0; i < lowest_.size(); ++i) {
       std::fill_n(previous_.begin() + kLine + static_cast<std::ptrdiff_t>(i) * stride_,
@@ -137,15 +137,15 @@ class PathFront {
     return {previous_.data() + kLine, current_.data() + kLine, lowest_.data(), stride_};
   }
 
-  /// To be called when all paths have been extended.
+  /// Call after all paths were extended.
   void advance() { previous_.swap(current_); }
 
  private:
-  /// Elements of a cache line, where a path's costs start.
+  /// Elements per cache line. The costs of a path start at a cache line.
   static constexpr std::ptrdiff_t kLine = 64 / sizeof(PathCost);
   using Costs = std::vector<PathCost, CacheLineAllocator<PathCost>>;
 
-  std::ptrdiff_t stride_ = 0;  // leaves at least two guards behind the costs
+  std::ptrdiff_t stride_ = 0;  // leaves at least two guards after the costs
   int disparities_ = 0;
   std::vector<PathCost> lowest_;
   Costs previous_;
@@ -173,7 +173,7 @@ class RowPaths {
   /// Sets the sums of a row.
   template <typename Cost>
   void run(const Volume<Cost>& costs, int y, OptimizedVolume& sums) {
-    // An edge is stored at the right one of two pixels.
+    // An edge is stored at the right one of its two pixels.
     const auto* reference = setup_->reference.horizontal.ptr<std::uint8_t>(y);
     const auto* other = setup_->other.horizontal.ptr<std::uint8_t>(y);
     front_.reset();
@@ -192,7 +192,7 @@ class RowPaths {
   PathFront front_;
 };
 
-/// The paths along some neighbouring columns, first from above, then from below.
+/// The paths along some neighboring columns, first from above, then from below.
 class ColumnPaths {
  public:
   void resize(const PathSetup& setup, const cv::Range& columns) {
@@ -212,7 +212,7 @@ class ColumnPaths {
     }
   }
 
-  /// Adds the paths from below to the sums of all rows and turns these to means.
+  /// Adds the paths from below to the sums of all rows and converts the sums to means.
   template <typename Cost>
   void runUp(const Volume<Cost>& costs, OptimizedVolume& sums) {
     front_.reset();
@@ -223,7 +223,8 @@ class ColumnPaths {
   }
 
  private:
-  /// Of the step from row `previous` to row `y`; an edge is stored at the lower one of both.
+  /// Penalties of the step from row `previous` to row `y`. An edge is stored at the lower of the
+  /// two rows.
   RowPenalties fillPenalties(int y, int previous) {
     const int lower = std::max(y, previous);
     return penalties_.fill({setup_->reference.vertical.ptr<std::uint8_t>(lower),

@@ -25,10 +25,11 @@ namespace {
 
 constexpr int kMostReach = 254;
 
-/// Pixels a row whose neighbours on the row are copied at once.
+/// Pixels of a row that are copied together with their neighbors on the row.
 constexpr int kBlock = 512;
 
-/// Arms take in at most `reach` pixels, which differ by at most `largest_step` gray levels.
+/// An arm has at most `reach` pixels, which differ from the center by at most `largest_step` gray
+/// levels.
 struct ArmLimits {
   int reach;
   std::uint8_t largest_step;
@@ -45,8 +46,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Lengths of the arms of neighbouring pixels in one direction. The k-th neighbors lie k * stride
-/// from `centers`; `reach` of them are looked at.
+/// Lengths of the arms of neighboring pixels in one direction. The k-th neighbors are at k * stride
+/// from `centers`. At most `reach` of them are tested.
 template <class D>
 HWY_INLINE hn::Vec<D> growArms(D tag, const std::uint8_t* centers, std::ptrdiff_t stride, int reach,
                                hn::Vec<D> largest_step) {
@@ -63,7 +64,7 @@ HWY_INLINE hn::Vec<D> growArms(D tag, const std::uint8_t* centers, std::ptrdiff_
   return lengths;
 }
 
-/// The arms of a row, left and right ones as if the image went on beyond its borders.
+/// The arms of a row. Left and right arms ignore the image borders.
 void growArmsOfRow(const cv::Mat& image, int y, const ArmLimits& limits, std::uint8_t* arms) {
   const auto stride = static_cast<std::ptrdiff_t>(image.step1());
   const int up = std::min(limits.reach, y);
@@ -113,9 +114,9 @@ void computeSupportArms(const cv::Mat& grey, int max_length, float threshold_gre
     throw Error("The arm length of cost aggregation is " + std::to_string(max_length) +
                 " px; it must be between 1 and 255.");
   }
-  const cv::Mat image = grey;  // stays valid when `arms` is the same object
+  const cv::Mat image = grey;  // keeps the image valid if `arms` is the same object
   arms.create(image.size(), CV_8UC4);
-  // A whole number is below the threshold exactly when it is below the threshold rounded up.
+  // An integer is below the threshold exactly if it is below the threshold rounded up.
   const int threshold = static_cast<int>(std::ceil(std::min(threshold_grey, 256.0F)));
   const ArmLimits limits{threshold > 0 ? max_length - 1 : 0,
                          static_cast<std::uint8_t>(std::max(threshold - 1, 0))};

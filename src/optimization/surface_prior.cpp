@@ -14,9 +14,10 @@ constexpr float kWideScale = 2.0F;
 constexpr float kNarrowScale = 1.0F;
 constexpr float kInlierResidual = 1.0F;
 constexpr float kInlierShare = 0.6F;
-/// Filter runs: the kernel of a single one has a sharp peak, that of two is round.
+/// Number of filter runs: the kernel of one run has a sharp peak, the kernel of two runs is smooth.
 constexpr int kSmoothingRuns = 2;
-/// Added to the variance of the coordinates, in square pixels, for few pixels in a line.
+/// Added to the variance of the coordinates, in square pixels. Regularizes fits to a few collinear
+/// pixels.
 constexpr float kRidge = 0.01F;
 
 enum Sum { kWeight, kX, kY, kXX, kXY, kYY, kD, kXD, kYD, kPixels, kInliers };
@@ -27,7 +28,7 @@ float residualWeight(float residual, float scale) {
   return weight * weight;
 }
 
-/// Moves `sums` towards their neighbour's.
+/// Moves `sums` toward the neighbor's sums.
 template <typename Sums>
 void blend(const Sums& neighbour, float share, Sums& sums) {
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -35,7 +36,7 @@ void blend(const Sums& neighbour, float share, Sums& sums) {
   }
 }
 
-/// Recursive filter to and fro along `count` cells that are `stride` apart.
+/// Recursive filter, forward and backward, along `count` cells that are `stride` apart.
 template <typename Sums>
 void smoothLine(Sums* line, int count, std::ptrdiff_t stride, float share) {
   for (int i = 1; i < count; ++i) {
@@ -101,7 +102,7 @@ void SurfacePrior::sumUp(const cv::Mat& coarse, float invalid, float scale_px) {
 }
 
 void SurfacePrior::smooth(float reach_cells) {
-  // The variances of the runs add up; that of e^(−a |x|) is 2 / a².
+  // The variances of the runs add up. The variance of e^(−a |x|) is 2 / a².
   const float share = std::exp(-std::sqrt(2.0F * kSmoothingRuns) / reach_cells);
   for (int run = 0; run < kSmoothingRuns; ++run) {
     for (int y = 0; y < grid_.height; ++y) {

@@ -1,4 +1,4 @@
-// Transposition of the costs of a tile, compiled once per instruction set.
+// Transposition of the costs of a tile. Compiled once per instruction set.
 #if defined(CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
 #undef CBMV_OPTIMIZATION_TILE_TRANSPOSE_INL_H
@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Half of a tile in one vector, or the whole tile: its halves in the two 128-bit blocks.
+/// A vector has half a tile, or the whole tile with its halves in the two 128-bit blocks.
 #undef CBMV_TRANSPOSE_COLUMNS
 #if HWY_HAVE_SCALABLE || HWY_MAX_BYTES < 32
 #define CBMV_TRANSPOSE_COLUMNS 8
@@ -40,8 +40,8 @@ HWY_INLINE void interleave(V& a, V& b) {
   a = lower;
 }
 
-/// Transposes the 8 x 8 values of each 128-bit block. (Not an array: not every instruction set has
-/// arrays of vectors.)
+/// Transposes the 8 x 8 values of each 128-bit block. An array of vectors is not possible on every
+/// instruction set.
 template <class V>
 HWY_INLINE void transposeBlocks(V& a, V& b, V& c, V& d, V& e, V& f, V& g, V& h) {
   interleave(a, e);
@@ -58,8 +58,8 @@ HWY_INLINE void transposeBlocks(V& a, V& b, V& c, V& d, V& e, V& f, V& g, V& h) 
   interleave(g, h);
 }
 
-/// The kTransposeLanes values of a column, in each block of a vector; blocks are `distance` apart
-/// in memory.
+/// Loads the kTransposeLanes values of a column in each block of a vector. Blocks are `distance`
+/// apart in memory.
 HWY_INLINE hn::Vec<TransposeTag> loadBlocks(const std::uint16_t* values,
                                             [[maybe_unused]] std::ptrdiff_t distance) {
   const TransposeTag tag;
@@ -81,9 +81,9 @@ HWY_INLINE void storeBlocks(hn::Vec<TransposeTag> blocks, std::uint16_t* values,
 #endif
 }
 
-/// [lane][column] to [column][lane], whose rows are `stride` apart. load(lane, column) gives
-/// CBMV_TRANSPOSE_COLUMNS values of a lane from a column on. Lanes are written up to a multiple of
-/// kTransposeLanes: those from `lanes` on with the values of the last one.
+/// Transposes [lane][column] to [column][lane] with rows that are `stride` apart. load(lane,
+/// column) returns CBMV_TRANSPOSE_COLUMNS values of a lane from a column on. Lanes are written up
+/// to a multiple of kTransposeLanes; those from `lanes` on get the values of the last lane.
 template <typename Load>
 HWY_INLINE void lanesToPixels(int lanes, std::ptrdiff_t stride, std::uint16_t* pixels,
                               const Load& load) {

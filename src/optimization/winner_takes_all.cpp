@@ -22,7 +22,7 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// `count` costs, padded by the largest number.
+/// Loads `count` costs. The other lanes get the largest number.
 HWY_INLINE hn::Vec<LineTag<std::uint16_t>> loadFirst(const std::uint16_t* costs, int count) {
   const LineTag<std::uint16_t> tag;
   const auto values = hn::LoadU(tag, costs);
@@ -31,7 +31,7 @@ HWY_INLINE hn::Vec<LineTag<std::uint16_t>> loadFirst(const std::uint16_t* costs,
              : hn::IfThenElse(hn::FirstN(tag, count), values, hn::Set(tag, 0xffff));
 }
 
-/// The lowest of `count` costs, in all lanes; the largest number if there are none.
+/// The lowest of `count` costs in all lanes. The largest number if there are none.
 HWY_INLINE hn::Vec<LineTag<std::uint16_t>> findLowest(const std::uint16_t* costs, int count) {
   const LineTag<std::uint16_t> tag;
   const auto lanes = static_cast<int>(hn::Lanes(tag));
@@ -42,7 +42,7 @@ HWY_INLINE hn::Vec<LineTag<std::uint16_t>> findLowest(const std::uint16_t* costs
   return hn::MinOfLanes(tag, lowest);
 }
 
-/// Index of the first smallest of `count` ≥ 1 costs.
+/// Index of the first of the lowest of `count` ≥ 1 costs.
 int findCheapest(const std::uint16_t* costs, int count) {
   const LineTag<std::uint16_t> tag;
   const auto lanes = static_cast<int>(hn::Lanes(tag));
@@ -55,8 +55,8 @@ int findCheapest(const std::uint16_t* costs, int count) {
   return first + static_cast<int>(hn::FindFirstTrue(tag, found));
 }
 
-/// Lowers lowest[h] to costs[h] for h in [0, count) and says in winners[h], for these, that the
-/// hypothesis was `first` + h. Reads and writes whole vectors.
+/// For h in [0, count): if costs[h] is lower than lowest[h], sets lowest[h] to it and winners[h] to
+/// the hypothesis `first` + h. Reads and writes whole vectors.
 void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t* lowest,
                  std::uint16_t* winners) {
   const LineTag<std::uint16_t> tag;
@@ -73,9 +73,10 @@ void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t
   }
 }
 
-/// The winners of the right image's row from the costs of the left one's; right to left, so that
-/// the smallest hypothesis that matches a right pixel comes last. `lowest` and `winners` hold the
-/// right pixels from right to left, for in this order a left pixel's hypotheses match them.
+/// Finds the winners of a row of the right image from the costs of the left view. It runs from
+/// right to left, so that the smallest hypothesis that matches a right pixel comes last. `lowest`
+/// and `winners` have the right pixels from right to left, the order in which the hypotheses of a
+/// left pixel match them.
 void findWinnersAcross(const std::uint16_t* costs, const DisparityRange& range, int columns,
                        std::uint16_t* lowest, std::uint16_t* winners) {
   for (int x = columns - 1; x >= 0; --x) {
@@ -86,7 +87,7 @@ void findWinnersAcross(const std::uint16_t* costs, const DisparityRange& range, 
   }
 }
 
-/// Of the winners of a row of the left view, as winnerMargins.
+/// Computes the margins of a row of the left view, as winnerMargins.
 void findMargins(const std::uint16_t* costs, const DisparityRange& range, int columns,
                  const float* winners, std::uint16_t* margins) {
   for (int x = 0; x < columns; ++x, costs += range.count) {
@@ -106,7 +107,7 @@ void findMargins(const std::uint16_t* costs, const DisparityRange& range, int co
   }
 }
 
-/// The cheapest disparity of each pixel of a row.
+/// The disparity of lowest cost for each pixel of a row.
 void findWinners(const std::uint16_t* costs, View view, const DisparityRange& range, int columns,
                  float* winners) {
   for (int x = 0; x < columns; ++x, costs += range.count) {
