@@ -26,15 +26,15 @@ namespace cbmv {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Bit of a Sum from which on it holds the number of pixels.
+/// Bits of a Sum from this one on are the number of pixels.
 template <typename Sum>
 constexpr int kPixelsShift = sizeof(Sum) == 4 ? 22 : 32;
 
-/// As many lanes as a tile has columns, or fewer.
+/// At most as many lanes as a tile has columns.
 template <typename Value>
 using TileTag = hn::CappedTag<Value, kTileColumns>;
 
-/// Pairs of the horizontal arms of pixels and of those `step` further.
+/// Pairs the horizontal arms of pixels with those of the pixels `step` columns further.
 void pairArms(const std::uint32_t* arms, int columns, int step,
               const std::array<std::uint16_t*, 2>& pairs) {
   forLanes(hn::ScalableTag<std::uint32_t>(), std::max(-step, 0), columns - std::max(step, 0),
@@ -51,7 +51,7 @@ void pairArms(const std::uint32_t* arms, int columns, int step,
            });
 }
 
-/// Numbers to signed lanes of any width, or of the same one.
+/// Converts numbers to signed lanes of the same or a larger width.
 template <class Tag, class Numbers>
 HWY_INLINE hn::Vec<Tag> widen(Tag tag, Numbers numbers) {
   if constexpr (sizeof(hn::TFromD<Tag>) == sizeof(hn::TFromV<Numbers>)) {
@@ -61,7 +61,7 @@ HWY_INLINE hn::Vec<Tag> widen(Tag tag, Numbers numbers) {
   }
 }
 
-/// Lanes whose arm holds at least `length` pixels.
+/// Lanes whose arm has at least `length` pixels.
 template <class Tag, class ArmVector>
 HWY_INLINE hn::Mask<Tag> reaches(Tag /*tag*/, ArmVector arms, int length) {
   return hn::RebindMask(Tag(), hn::Gt(arms, hn::Set(hn::RebindToSigned<Tag>(), length - 1)));
@@ -78,7 +78,7 @@ HWY_INLINE hn::Vec<Tag> addWhere(Tag /*tag*/, hn::Mask<Tag> mask, hn::Vec<Tag> s
 #endif
 }
 
-/// Calls f(length), if asked to with usual lengths of arms as constants, so that its loops are
+/// Calls f(length). With kUnroll, common arm lengths are passed as constants, so that loops are
 /// unrolled.
 template <bool kUnroll, typename F>
 HWY_INLINE void withConstant(int length, const F& f) {
@@ -101,7 +101,7 @@ HWY_INLINE void withConstant(int length, const F& f) {
 }
 
 /// Calls f(first lane, longest arm) for vectors that cover the columns of a tile with `hypotheses`.
-/// arm(x) is the longer one of the two of column x of the tile, at most `longest`.
+/// arm(x) is the longer of the two arms of column x of the tile, at most `longest`.
 template <class Tag, typename Arm, typename F>
 HWY_INLINE void forColumns(Tag /*tag*/, int hypotheses, int longest, const Arm& arm, const F& f) {
   constexpr bool kUnroll = sizeof(hn::TFromD<Tag>) == 4;
@@ -118,16 +118,17 @@ HWY_INLINE void forColumns(Tag /*tag*/, int hypotheses, int longest, const Arm& 
   }
 }
 
-/// Hypotheses of a tile at the indices 2 number and 2 number + 1, one of which may be missing.
+/// The hypotheses of a tile at the indices 2 number and 2 number + 1. One of them may be missing.
 struct Pair {
   int number;
   bool has_even;
   bool has_odd;
-  int first;  ///< in the list
+  int first;  ///< positions in the list
   int last;
 };
 
-/// Calls f(pair) for every pair of a list. Branches, so that the next pair need not be waited for.
+/// Calls f(pair) for every pair of a list. Uses branches, so that the processor can start the next
+/// pair early.
 template <typename F>
 HWY_INLINE void forPairs(const SearchSpace::Tile& list, int first_index, const F& f) {
   const std::int16_t* indices = list.indices;
@@ -142,8 +143,8 @@ HWY_INLINE void forPairs(const SearchSpace::Tile& list, int first_index, const F
   }
 }
 
-/// Lays the costs of the lists out in pairs, contiguous along the row. A missing cost of a pair may
-/// be anything: no arm reaches it.
+/// Copies the costs of the lists to pairs that are contiguous along the row. A missing cost of a
+/// pair is unspecified, because no arm reaches it.
 template <typename Cost, typename Lane, typename Sum>
 HWY_INLINE void layCosts(const BlockRowToSum<Cost, Lane, Sum>& row) {
   const TileTag<Sum> tag;
@@ -167,7 +168,7 @@ HWY_INLINE void layCosts(const BlockRowToSum<Cost, Lane, Sum>& row) {
         hn::Store(hn::Or(load(pair.first), odd), tag, out + x);
       }
     });
-    if (t < shape.margin || t >= tiles - shape.margin) {  // sumTile fetches the others
+    if (t < shape.margin || t >= tiles - shape.margin) {  // sumTile prefetches the others
       const Cost* next = row.costs + row.next_lists[t].first_entry * kTileColumns;
       for (int j = 0; j < list.count; j += 2) {
         hwy::Prefetch(next + j * kTileColumns);
@@ -176,8 +177,8 @@ HWY_INLINE void layCosts(const BlockRowToSum<Cost, Lane, Sum>& row) {
   }
 }
 
-/// Number of columns, at most 255, that have the hypothesis without a gap from the near end of each
-/// tile on, to the left and to the right.
+/// Counts the consecutive columns with the hypothesis, from the near end of each tile to the left
+/// and to the right. At most 255.
 template <typename Cost, typename Lane, typename Sum>
 HWY_INLINE void measureReach(const BlockRowToSum<Cost, Lane, Sum>& row) {
   const int tiles = row.shape.tilesWithMargins();
@@ -198,8 +199,8 @@ HWY_INLINE void measureReach(const BlockRowToSum<Cost, Lane, Sum>& row) {
   }
 }
 
-/// Combined horizontal arms of a pair; so many `columns` lie between the pixel and the end of its
-/// tile, and `reach` beyond it.
+/// Combined horizontal arms of a pair. `columns` is the number of columns between the pixel and the
+/// end of its tile, `reach` is the number of columns beyond it.
 template <class Bytes>
 HWY_INLINE hn::Vec<Bytes> combinedArms(Bytes bytes, hn::Vec<Bytes> reference,
                                        const std::uint16_t* other, hn::Vec<Bytes> columns,
@@ -209,8 +210,8 @@ HWY_INLINE hn::Vec<Bytes> combinedArms(Bytes bytes, hn::Vec<Bytes> reference,
   return hn::Min(arms, hn::SaturatedAdd(columns, hn::BitCast(bytes, hn::Set(pair, reach))));
 }
 
-/// Stores the sums of pairs, as sums of `Lane` on the left and on the right arm and as numbers of
-/// pixels.
+/// Stores the sums of pairs. `left` and `right` have the sums on the left and right arms as `Lane`;
+/// `pixels` has the numbers of pixels.
 template <typename Lane, class Tag>
 HWY_INLINE void storePair(Tag tag, hn::Vec<Tag> left, hn::Vec<Tag> right, hn::Vec<Tag> pixels,
                           hn::TFromD<Tag>* even, hn::TFromD<Tag>* odd) {
@@ -220,7 +221,7 @@ HWY_INLINE void storePair(Tag tag, hn::Vec<Tag> left, hn::Vec<Tag> right, hn::Ve
   const auto even_sum = hn::Add(hn::And(left, low), hn::And(right, low));
   const auto odd_sum = hn::Add(hn::ShiftRight<kLaneBits>(left), hn::ShiftRight<kLaneBits>(right));
   const auto odd_pixels = hn::ShiftLeft<kShift>(hn::ShiftRight<kLaneBits>(pixels));
-  const auto even_pixels = hn::ShiftLeft<kShift>(pixels);  // without the odd ones
+  const auto even_pixels = hn::ShiftLeft<kShift>(pixels);  // the odd ones are shifted out
   hn::Store(hn::Add(even_sum, even_pixels), tag, even);
   hn::Store(hn::Add(odd_sum, odd_pixels), tag, odd);
 }
@@ -296,7 +297,7 @@ template <typename Cost, typename Lane, typename Sum>
 HWY_INLINE void sumRow(BlockRowToSum<Cost, Lane, Sum> row) {
   layCosts(row);
   if constexpr (sizeof(Lane) == 2) {
-    row.left_reach = row.right_reach = row.present;  // arms reach into the next tile at most
+    row.left_reach = row.right_reach = row.present;  // arms reach at most into the next tile
   } else {
     measureReach(row);
   }
@@ -326,12 +327,12 @@ void sumRowOfWords64(const BlockRowToSum<std::uint16_t, std::uint32_t, std::uint
   sumRow(row);
 }
 
-/// sum / pixels to the nearest integer, halves up, for means of at most 16383 over at most 225
-/// pixels.
+/// Stores sum / pixels, rounded to the nearest integer (halves up), for means of at most 16383 over
+/// at most 225 pixels.
 ///
-/// Exact: halves are exact in float, and the offset of an ulp takes them up; other quotients are at
-/// least 1/450 away from a half, further than offset and rounding can lift them. Adding 2^23 rounds
-/// to whole numbers and leaves them in the lower bits.
+/// The result is exact. Halves are exact in float, and the small offset rounds them up. All other
+/// quotients are at least 1/450 away from a half, which is more than the offset plus the rounding
+/// error. Adding 2^23 rounds to an integer and leaves it in the low bits.
 HWY_INLINE void storeMeans(TileTag<std::uint32_t> tag, hn::Vec<TileTag<std::uint32_t>> sums,
                            std::uint16_t* means) {
   constexpr int kShift = kPixelsShift<std::uint32_t>;
@@ -346,7 +347,7 @@ HWY_INLINE void storeMeans(TileTag<std::uint32_t> tag, hn::Vec<TileTag<std::uint
   hn::StoreU(hn::TruncateTo(narrow, mean), narrow, means);
 }
 
-/// In double, where the integers are exact up to 2^53.
+/// In double, which is exact for integers up to 2^53.
 HWY_INLINE void storeMeans(TileTag<std::uint64_t> tag, hn::Vec<TileTag<std::uint64_t>> sums,
                            std::uint16_t* means) {
   constexpr int kShift = kPixelsShift<std::uint64_t>;
@@ -443,16 +444,16 @@ void averageRow(const BlockRowToAverage<std::uint64_t>& row) {
   HWY_DYNAMIC_DISPATCH(averageRow64)(row);
 }
 
-/// Whether 16 bits suffice for the sum on an arm with its centre, and 22 bits for that of a region,
-/// of at most 225 pixels.
+/// Returns whether 16 bits suffice for the sum on an arm with its center, and 22 bits for the sum
+/// of a region of at most 225 pixels.
 bool fit16Bits(int longest_arm_px, int max_cost) {
   return longest_arm_px <= 7 && (longest_arm_px + 1) * max_cost <= 0xffff;
 }
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-/// Arms of a row of an image, of columns inside of it and outside, where there are none: the region
-/// of a hypothesis whose match lies there is itself, a copy.
+/// Arms of a row of an image, for columns inside and outside. Outside, arms are 0, so the region of
+/// a hypothesis whose match is there is the pixel itself, and its cost is copied.
 class ArmLine {
  public:
   void resize(int columns) {
@@ -463,7 +464,7 @@ class ArmLine {
     }
   }
 
-  /// Takes `columns` from column `first` on.
+  /// Sets the line to `columns` columns from column `first` on.
   void assign(const cv::Mat& arms, int y, int first, int columns) {
     columns_ = columns;
     const int begin = std::clamp(-first, 0, columns);
@@ -481,13 +482,13 @@ class ArmLine {
     std::fill(arms_.begin() + end, arms_.begin() + columns, 0U);
   }
 
-  /// Makes the pairs with the columns `step` further.
+  /// Pairs each column with the column `step` further.
   void pair(int step) {
     HWY_DYNAMIC_DISPATCH(pairArms)
     (taken_, columns_, step, {pairs_[0].data(), pairs_[1].data()});
   }
 
-  /// From the column `place` on, of those that were taken.
+  /// The arms from position `place` of the line on.
   const std::uint32_t* arms(int place) const { return taken_ + place; }
   std::array<const std::uint16_t*, 2> pairs(int place) const {
     return {pairs_[0].data() + place, pairs_[1].data() + place};
@@ -495,7 +496,8 @@ class ArmLine {
 
  private:
   int columns_ = 0;
-  const std::uint32_t* taken_ = nullptr;  ///< four channels; of the image, if all lie inside of it
+  /// four channels; points into the image if all columns are inside
+  const std::uint32_t* taken_ = nullptr;
   std::vector<std::uint32_t> arms_;
   std::array<std::vector<std::uint16_t>, 2> pairs_;
 };
@@ -508,16 +510,16 @@ struct Inputs {
   View view;
 };
 
-/// Memory of a block. Between blocks, the sums are 0.
+/// Memory of a block. The sums are 0 between blocks.
 template <typename Sum>
 struct BlockMemory {
-  /// Makes room for blocks up to a shape.
+  /// Makes room for blocks of at most this shape.
   void resize(const BlockShape& shape, int longest_arm_px) {
     const auto tiles = static_cast<std::size_t>(shape.tilesWithMargins());
     const int columns = shape.tiles * kTileColumns;
     rows = 2 * longest_arm_px + 1;
-    // One line more keeps the rows, often multiples of a power of two, from competing for one part
-    // of the cache.
+    // One extra line avoids cache conflicts between rows whose size is a multiple of a power of
+    // two.
     row_size = static_cast<std::size_t>(columns) * shape.disparities + 64 / sizeof(Sum);
     sums.resize(row_size * rows);
     around.resize(rows);
@@ -532,7 +534,7 @@ struct BlockMemory {
 
   int rows = 0;
   std::size_t row_size = 0;
-  std::vector<Sum, CacheLineAllocator<Sum>> sums;  ///< of as many rows as arms can span
+  std::vector<Sum, CacheLineAllocator<Sum>> sums;  ///< for as many rows as arms can span
   std::vector<const Sum*> around;
   std::vector<SearchSpace::Tile> lists;
   std::vector<Sum, CacheLineAllocator<Sum>> line;
@@ -572,7 +574,7 @@ class BlockAggregator {
  private:
   Sum* sums(int y) { return memory_.sums.data() + y % memory_.rows * memory_.row_size; }
 
-  /// Of a row that has sums, or the next one.
+  /// Lists of a row that has sums, or of the next row.
   SearchSpace::Tile* lists(int y) {
     return memory_.lists.data() +
            static_cast<std::ptrdiff_t>(y % (memory_.rows + 2)) * shape_.tilesWithMargins();
@@ -584,7 +586,7 @@ class BlockAggregator {
     }
   }
 
-  /// The part of a tile's list that lies in the block.
+  /// The part of a tile's list that is in the block.
   SearchSpace::Tile list(int y, int t) const {
     if (t < 0 || t >= inputs_.space.tiles()) {
       return {nullptr, 0, 0};
@@ -602,7 +604,7 @@ class BlockAggregator {
 
   int step() const { return inputs_.view == View::kLeft ? -1 : 1; }
 
-  /// Takes the arms of row y; where those of the other image start.
+  /// Sets the arms of row y. Returns the start of the arms of the other image.
   int takeArms(int y) {
     const int x = first_tile_ * kTileColumns;
     const int columns = shape_.tiles * kTileColumns;
@@ -659,7 +661,7 @@ class BlockAggregator {
   BlockMemory<Sum>& memory_;
 };
 
-/// The largest blocks of all: what memory is made for.
+/// The largest block, for which memory is allocated.
 template <typename Sum>
 BlockShape largestBlock(const SearchSpace& space, int longest_arm_px) {
   const int margin = std::max(1, (longest_arm_px + kTileColumns - 1) / kTileColumns);
@@ -667,8 +669,8 @@ BlockShape largestBlock(const SearchSpace& space, int longest_arm_px) {
           std::min(sizeof(Sum) == 4 ? 256 : 32, space.range().count)};
 }
 
-/// Number of tiles across a block: so many that the sums should fit the second-level cache, and
-/// that all threads have equally many blocks.
+/// Number of tiles of a block in x: the sums should fit into the second-level cache, and all
+/// threads should have the same number of blocks.
 int tilesAcross(const SearchSpace& space, const BlockShape& largest, std::size_t bytes_of_entry) {
   constexpr double kCacheBytes = 512 * 1024;
   const double share = static_cast<double>(largest.disparities) / space.range().count;

@@ -15,13 +15,13 @@
 namespace cbmv {
 namespace {
 
-/// Vertical paths advance at least this many tiles at once, and more while there are enough blocks
-/// for all threads and two rows of path costs stay close to the core.
+/// Smallest number of tiles that vertical paths process together. The number is larger if there are
+/// still enough blocks for all threads and two rows of path costs stay in the caches near the core.
 constexpr int kTilesPerBlock = 4;
 constexpr int kBlocksPerThread = 2;
 constexpr std::size_t kFrontBytes = std::size_t{1} << 15;
-/// Bands have at least a group of rows for each thread, and more while the band's costs and sums
-/// stay in the caches.
+/// Bands have at least one group of rows per thread. They are larger if the costs and sums of the
+/// band stay in the caches.
 constexpr std::size_t kBandBytesPerThread = std::size_t{1} << 18;
 
 }  // namespace
@@ -62,8 +62,8 @@ class WindowedSgm::Impl {
     rows_.prepare([&](RowPaths& paths) { paths.resize(horizontal_); });
   }
 
-  /// Runs over the volumes twice. Downwards in bands of rows, first along these, then along the
-  /// columns, while the band is still in the cache; upwards along the columns.
+  /// Passes over the volumes twice. Downward in bands of rows: first along the rows, then along the
+  /// columns while the band is in the cache. Upward along the columns.
   template <typename Cost>
   void addPaths(const SearchSpace& space, const WindowedVolume<Cost>& costs,
                 WindowedOptimizedVolume& sums) {
@@ -102,7 +102,7 @@ class WindowedSgm::Impl {
   PathSetup horizontal_;
   PathSetup vertical_;
   std::vector<ColumnPaths> blocks_;
-  std::size_t used_blocks_ = 0;  ///< by the volume under way
+  std::size_t used_blocks_ = 0;  ///< blocks used for the current volume
   PerThread<RowPaths> rows_;
 };
 

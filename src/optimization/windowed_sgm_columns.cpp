@@ -24,7 +24,7 @@ struct ColumnRun {
   const WindowedVolume<Cost>& costs;
   WindowedOptimizedVolume& sums;
   cv::Range tiles;
-  int direction;  ///< 1: downwards, -1: upwards
+  int direction;  ///< 1: downward, -1: upward
   ColumnFront& front;
 };
 
@@ -53,7 +53,7 @@ struct TileStep {
   std::uint16_t* lowest;
 };
 
-/// The path costs `costs` to the sums, which become means with kLast.
+/// Adds path costs to the sums. With kLast, the sums become means.
 template <bool kLast>
 HWY_INLINE void addToSums(V costs, std::uint16_t* sums) {
   const Tag tag;
@@ -61,7 +61,7 @@ HWY_INLINE void addToSums(V costs, std::uint16_t* sums) {
   hn::Store(kLast ? hn::ShiftRight<2>(hn::Add(sum, hn::Set(tag, 2))) : sum, tag, sums);
 }
 
-/// Lanes of steps that are not zero.
+/// Lanes whose steps are not zero.
 HWY_INLINE Mask lanesOf(const std::int8_t* steps) {
   const hn::RebindToSigned<Tag> tag;
   const auto widened = hn::PromoteTo(tag, hn::LoadU(hn::Rebind<std::int8_t, Tag>(), steps));
@@ -76,7 +76,8 @@ HWY_INLINE Mask lanesThatRise(const std::int8_t* rises, int rise) {
   return hn::MaskFromVec(hn::BitCast(Tag(), hn::VecFromMask(tag, found)));
 }
 
-/// Of both, by the number of the other image's edges.
+/// Penalties per lane. `edges` are the edges of one image, `other_edges` is the number of edges of
+/// the other image.
 HWY_INLINE V penaltiesOf(const std::array<std::int16_t, 3>& penalties, Mask edges,
                          int other_edges) {
   const Tag tag;
@@ -84,8 +85,8 @@ HWY_INLINE V penaltiesOf(const std::array<std::int16_t, 3>& penalties, Mask edge
                         hn::Set(tag, static_cast<std::uint16_t>(penalties[other_edges])));
 }
 
-/// The path costs from those of the predecessors, which start at `previous`. kRising: where the
-/// surface `rises` and where it `falls`, the path goes on at the next disparities.
+/// Path costs from the costs of the predecessors, which start at `previous`. With kRising, the path
+/// continues at the adjacent disparity where the surface `rises` or `falls`.
 template <bool kRising>
 HWY_INLINE V extendPaths(V matching, const std::uint16_t* previous, V lowest, V p1, V p2,
                          [[maybe_unused]] Mask rises, [[maybe_unused]] Mask falls) {
@@ -130,7 +131,7 @@ HWY_INLINE void extendTile(const TileStep<Cost>& step, const SgmPenalties& penal
   hn::Store(lowest, tag, step.lowest);
 }
 
-/// At the first pixels of paths.
+/// Processes the first pixels of paths.
 template <bool kLast, typename Cost>
 HWY_INLINE void startTile(const TileStep<Cost>& step) {
   const Tag tag;
@@ -144,7 +145,7 @@ HWY_INLINE void startTile(const TileStep<Cost>& step) {
   hn::Store(lowest, tag, step.lowest);
 }
 
-/// Surfaces seldom rise.
+/// Uses a faster variant where no surface rises or falls, which is the usual case.
 template <bool kLast, typename Cost>
 HWY_INLINE void extendTile(const TileStep<Cost>& step, const SgmPenalties& penalties,
                            int direction) {
@@ -166,7 +167,7 @@ void forget(const SearchSpace::Tile& tile, std::uint16_t* costs) {
   }
 }
 
-/// Adds tile t of a row to the paths, which were in row y - direction before.
+/// Adds tile t of row y to the paths. The previous row of the paths is y - direction.
 template <bool kLast, typename Cost>
 HWY_INLINE void addTile(const ColumnRun<Cost>& run, int y, const PathSteps& steps, int t) {
   const SearchSpace& space = *run.setup.space;
@@ -200,11 +201,10 @@ HWY_INLINE void prefetch(const Value* begin, const Value* end) {
   }
 }
 
-/// Hypotheses of a tile from which on prefetching pays.
+/// Prefetching pays for tiles with at least this number of hypotheses.
 constexpr std::size_t kLongList = 32;
 
-/// Fetches the hypotheses of a row before the paths come to it: they are contiguous, but far from
-/// those of the row before.
+/// Prefetches the hypotheses of a row. They are contiguous, but far from those of the previous row.
 template <typename Cost>
 HWY_INLINE void prefetchRow(const ColumnRun<Cost>& run, int y) {
   const SearchSpace& space = *run.setup.space;
@@ -220,12 +220,13 @@ HWY_INLINE void prefetchRow(const ColumnRun<Cost>& run, int y) {
   }
 }
 
-/// Rows from `first` on in the run's direction.
+/// Adds `rows` rows from row `first` on in the direction of the run.
 template <bool kLast, typename Cost>
 HWY_INLINE void addRows(const ColumnRun<Cost>& run, int first, int rows) {
   for (int n = 0; n < rows; ++n) {
     const int y = first + n * run.direction;
-    // The step from above is stored with the row itself, that from below with the row below.
+    // The step from above is stored in the row itself, the step from below is stored in the row
+    // below.
     const int lower = std::min(run.direction > 0 ? y : y + 1, run.setup.space->height() - 1);
     const PathSteps steps = run.setup.steps.row(lower);
     prefetchRow(run, y + run.direction);
@@ -296,7 +297,7 @@ void ColumnPaths::runDown(const WindowedVolume<Cost>& costs, const cv::Range& ro
   addRows(ColumnRun<Cost>{*setup_, costs, sums, tiles_, 1, front_}, rows);
 }
 
-// The front still holds the last row: the paths from below overwrite it, as their first one.
+// The front still has the last row. The first row of the paths from below overwrites it.
 template <typename Cost>
 void ColumnPaths::runUp(const WindowedVolume<Cost>& costs, WindowedOptimizedVolume& sums) {
   averageRowsUpwards(ColumnRun<Cost>{*setup_, costs, sums, tiles_, -1, front_},

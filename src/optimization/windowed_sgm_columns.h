@@ -12,9 +12,9 @@
 
 namespace cbmv {
 
-/// Path costs of the tiles of a block in two rows: the one last added to the paths and, while it is
-/// added, the next one. Dense, [index][column of the tile]; kNoPath where a tile does not have the
-/// disparity and at the two indices before and behind the range.
+/// Path costs of the tiles of a block in two rows: the row that was added last, and the next row
+/// while it is added. Dense layout [index][column of the tile]. kNoPath where a tile does not have
+/// the disparity, and at the two indices before and after the range.
 class ColumnFront {
  public:
   void resize(int tiles, int disparities);
@@ -22,7 +22,7 @@ class ColumnFront {
   std::uint16_t* costs(int tile, int row) {
     return costs_.data() + ((row % 2) * tiles_ + tile) * stride_ + 2 * kTileColumns;
   }
-  /// Of each column of a tile in the row last added.
+  /// Lowest cost of each column of a tile in the row that was added last.
   std::uint16_t* lowest(int tile) { return lowest_.data() + tile * kTileColumns; }
 
  private:
@@ -32,7 +32,7 @@ class ColumnFront {
   std::vector<std::uint16_t, CacheLineAllocator<std::uint16_t>> lowest_;
 };
 
-/// The paths along the columns of some neighbouring tiles, first from above, then from below.
+/// The paths along the columns of some adjacent tiles, first from above, then from below.
 class ColumnPaths {
  public:
   void resize(const PathSetup& setup, const cv::Range& tiles);
@@ -42,8 +42,8 @@ class ColumnPaths {
   void runDown(const WindowedVolume<Cost>& costs, const cv::Range& rows,
                WindowedOptimizedVolume& sums);
 
-  /// Adds the paths from below to the sums of all rows and turns these to means. To be called when
-  /// all rows have been run down.
+  /// Adds the paths from below to the sums of all rows and converts the sums to means. Call after
+  /// runDown() has processed all rows.
   template <typename Cost>
   void runUp(const WindowedVolume<Cost>& costs, WindowedOptimizedVolume& sums);
 

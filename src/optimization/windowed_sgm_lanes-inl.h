@@ -1,4 +1,4 @@
-// Moves between the lanes of a vector of path costs, compiled once per instruction set.
+// Rotations and minimum of the lanes of a vector of path costs. Compiled once per instruction set.
 #if defined(CBMV_OPTIMIZATION_WINDOWED_SGM_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_OPTIMIZATION_WINDOWED_SGM_LANES_INL_H
 #undef CBMV_OPTIMIZATION_WINDOWED_SGM_LANES_INL_H
@@ -23,7 +23,7 @@ HWY_INLINE V lowestOfLanes(D tag, V values) {
 
 #else
 
-/// 128-bit blocks moved to the next higher or lower place, all around.
+/// Rotates the 128-bit blocks up or down by one position.
 template <class D, class V>
 HWY_INLINE V blocksUp([[maybe_unused]] D tag, V values) {
   if constexpr (hn::MaxLanes(D()) == 32) {
@@ -49,7 +49,7 @@ HWY_INLINE V blocksDown(D tag, V values) {
   }
 }
 
-/// Every lane to the next higher or lower place, all around.
+/// Rotates the lanes up or down by one position.
 template <class D, class V>
 HWY_INLINE V rotateUp(D tag, V values) {
   return hn::CombineShiftRightBytes<14>(tag, values, blocksUp(tag, values));
@@ -59,7 +59,7 @@ HWY_INLINE V rotateDown(D tag, V values) {
   return hn::CombineShiftRightBytes<2>(tag, blocksDown(tag, values), values);
 }
 
-/// In all lanes.
+/// The lowest lane, in all lanes.
 template <class D, class V>
 HWY_INLINE V lowestOfLanes(D tag, V values) {
   const hn::Repartition<std::uint32_t, D> tag32;

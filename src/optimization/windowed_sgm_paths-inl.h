@@ -1,5 +1,4 @@
-// The recurrence of semi-global matching for a vector of hypotheses, compiled once per instruction
-// set.
+// The SGM recurrence for a vector of hypotheses. Compiled once per instruction set.
 #if defined(CBMV_OPTIMIZATION_WINDOWED_SGM_PATHS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_OPTIMIZATION_WINDOWED_SGM_PATHS_INL_H
 #undef CBMV_OPTIMIZATION_WINDOWED_SGM_PATHS_INL_H
@@ -15,9 +14,9 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-/// L(p, d) from C(p, d) and three costs of the predecessor q: L(q, e), the smaller one of L(q, e -
-/// 1) and L(q, e + 1), and the lowest of all its hypotheses. kNoPath stands for those that q does
-/// not have.
+/// L(p, d) from C(p, d) and three costs of the predecessor q: `along` is L(q, e), `beside` is the
+/// lower of L(q, e − 1) and L(q, e + 1), `lowest` is the lowest cost of q. Hypotheses that q does
+/// not have are kNoPath.
 template <class V>
 HWY_INLINE V pathCosts(V matching, V along, V beside, V lowest, V p1, V p2) {
   const auto step = hn::SaturatedAdd(beside, p1);

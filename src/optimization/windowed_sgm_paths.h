@@ -8,11 +8,11 @@
 
 namespace cbmv {
 
-/// A cost of a hypothesis that there is not. Whatever is above every path cost with a penalty on
-/// top, 2 * kMaxPathCost, does as well.
+/// Cost of a hypothesis that does not exist. Any value above all path costs plus a penalty (2 *
+/// kMaxPathCost) has the same effect.
 constexpr std::uint16_t kNoPath = 65535;
 
-/// What all paths of one axis have in common beside the costs.
+/// Common data of all paths along one axis, except the costs.
 struct PathSetup {
   const SearchSpace* space = nullptr;
   SgmPenalties penalties{};

@@ -17,7 +17,7 @@
 namespace cbmv {
 namespace {
 
-/// Neighbouring rows of pixels, at most RowPaths::kRowsAtOnce.
+/// Neighboring rows of pixels, at most RowPaths::kRowsAtOnce.
 template <typename Cost>
 struct RowJob {
   const PathSetup& setup;
@@ -26,13 +26,14 @@ struct RowJob {
   cv::Range rows;
 };
 
-/// A lane of matching costs holds a cost, and these bits where the other image has an edge in the
-/// step from the left or from the right neighbour.
+/// A lane of matching costs has a cost and two edge bits. The bits are set if the other image has
+/// an edge at the step from the left or from the right neighbor.
 constexpr std::uint16_t kLeftEdge = 0x4000;
 constexpr std::uint16_t kRightEdge = 0x8000;
 constexpr std::uint16_t kCostBits = 0x3FFF;
 static_assert(kMaxPathCost <= kCostBits);
-/// A matching cost in a lane without a hypothesis: no path as it is and with a penalty on top.
+/// Matching cost in a lane without a hypothesis. It is above every path cost, and a penalty can be
+/// added without overflow.
 constexpr std::uint16_t kNoHypothesis = 0xBFFF;
 static_assert(kNoHypothesis > 2 * kMaxPathCost && kNoHypothesis + kMaxPathCost <= kNoPath);
 
@@ -50,19 +51,22 @@ using V = hn::Vec<Tag>;
 
 int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-/// `count` values, rounded up to whole vectors, but at least one.
+/// Stores `count` values, rounded up to whole vectors, at least one vector.
 HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) {
   const Tag tag;
   const auto step = static_cast<int>(hn::Lanes(tag));
   const auto values = hn::Set(tag, value);
-  hn::StoreU(values, tag, out);  // most often the only one: not in the loop, which calls memset
+  // Usually one vector is enough. It is outside of the loop because compilers replace the loop by
+  // memset.
+  hn::StoreU(values, tag, out);
   for (int i = step; i < count; i += step) {
     hn::StoreU(values, tag, out + i);
   }
 }
 
-/// Puts the list of a tile into lanes. Runs are two lanes apart, or one if a single disparity lies
-/// between them: a path goes on at most two disparities away. Returns what is behind the runs.
+/// Assigns the list of a tile to lanes. Runs are two lanes apart, or one lane if a single disparity
+/// is missing between them, because a path changes by at most two disparities. Returns the end of
+/// the runs.
 HWY_INLINE LaneRun* findRuns(const SearchSpace::Tile& tile, LaneRun* run) {
   const std::int16_t* indices = tile.indices;
   int lane = 0;
@@ -83,7 +87,8 @@ HWY_INLINE LaneRun* findRuns(const SearchSpace::Tile& tile, LaneRun* run) {
   return run;
 }
 
-/// Distance of a tile's pixels: whole vectors, with room for the transposition of all runs.
+/// Distance between the pixels of a tile: whole vectors with room for the transposition of all
+/// runs.
 HWY_INLINE int strideOf(const LaneRun* run) {
   int lanes = 0;
   for (; run->length > 0; ++run) {
@@ -92,7 +97,7 @@ HWY_INLINE int strideOf(const LaneRun* run) {
   return roundUp(lanes, static_cast<int>(hn::Lanes(Tag())));
 }
 
-/// Marks the lanes that have no hypothesis, as far as a vector reaches.
+/// Marks the lanes without a hypothesis, up to whole vectors.
 HWY_INLINE void block(const LaneRun* run, std::uint16_t* blocked) {
   for (; run->length > 0; ++run) {
     fillVectors(0, run->length, blocked + run->lane);
@@ -100,7 +105,7 @@ HWY_INLINE void block(const LaneRun* run, std::uint16_t* blocked) {
   }
 }
 
-/// Matching costs of an entry with the edges of the other image.
+/// Matching costs of an entry with the edge bits of the other image.
 template <typename Cost>
 HWY_INLINE hn::Vec<TransposeTag> packed(const Cost* costs, const std::int8_t* edges) {
   const TransposeTag tag;
@@ -113,7 +118,7 @@ HWY_INLINE hn::Vec<TransposeTag> packed(const Cost* costs, const std::int8_t* ed
   return hn::Or(loadWidened(tag, costs), bits);
 }
 
-/// Lays out a row.
+/// Copies a row to the layout by lanes.
 template <typename Cost>
 HWY_INLINE void layOut(const RowJob<Cost>& job, int y, LaneRow& row) {
   const SearchSpace& space = *job.setup.space;
@@ -143,7 +148,7 @@ HWY_INLINE void layOut(const RowJob<Cost>& job, int y, LaneRow& row) {
   }
 }
 
-/// The sums of the path costs of a row.
+/// Stores the sums of the path costs of a row.
 template <typename Cost>
 HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row) {
   std::uint16_t* sums = job.sums.entry(job.setup.space->tile(y, 0).first_entry);
@@ -155,7 +160,7 @@ HWY_INLINE void storeSums(const RowJob<Cost>& job, int y, const LaneRow& row) {
   }
 }
 
-/// Penalties in all lanes, by the number of images that have an edge: P1, then P2.
+/// Penalties in all lanes, by the number of images with an edge: P1, then P2.
 struct PenaltyLanes {
   static constexpr int kCounts = 3;
   alignas(64) std::uint16_t lanes[2 * kCounts * kMostLanes];
@@ -170,10 +175,10 @@ struct PenaltyLanes {
   }
 };
 
-/// A path along a row, in one of both directions.
+/// A path along a row in one direction.
 class RowPath {
  public:
-  /// From the left with direction 1, from the right with -1.
+  /// `direction` is 1 for the path from the left and -1 for the path from the right.
   RowPath(const LaneRow& row, const PathSteps& steps, int width, const PenaltyLanes& penalties,
           int direction, RowFront& front)
       : row_(row),
@@ -184,7 +189,7 @@ class RowPath {
         edge_bit_(direction > 0 ? kLeftEdge : kRightEdge),
         front_(front) {}
 
-  /// Extends the path by the first pixel of tile t, if it has hypotheses.
+  /// Extends the path by the first pixel of tile t, if the tile has hypotheses.
   template <bool kAdd>
   HWY_INLINE void start(int t) {
     tile_ = row_.tiles[t];
@@ -207,10 +212,10 @@ class RowPath {
     fresh_ = false;
   }
 
-  /// Of the tile.
+  /// Columns of the tile.
   int columns() const { return columns_; }
-  /// Lanes of a vector that the tile fits: rotations by two must bring in lanes without a
-  /// hypothesis.
+  /// Number of lanes that a vector needs for the tile. Rotations by two must bring in lanes without
+  /// a hypothesis.
   int fittingLanes() const { return tile_.lanes + 2; }
 
   template <class D>
@@ -274,7 +279,7 @@ class RowPath {
     if (columns_ == 0) {
       return;
     }
-    // Runs are short, and narrow stores may have come just before.
+    // Runs are short, and the memory may have been written by narrow stores just before.
     const hn::CappedTag<std::uint16_t, 8> tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     const std::uint16_t* last = front_.costs(columns_ - 1);
@@ -288,7 +293,7 @@ class RowPath {
     kept_ = tile_.runs;
   }
 
-  /// Forgets the costs kept.
+  /// Clears the kept costs.
   HWY_INLINE void forget() {
     for (; kept_->length > 0; ++kept_) {
       fillVectors(kNoPath, kept_->length, front_.previous() + kept_->index);
@@ -297,18 +302,18 @@ class RowPath {
 
  private:
   int rise(int i) const { return direction_ * rises_[i * direction_]; }
-  /// Of the i-th pixel, without an edge in the other image.
+  /// Penalties at the i-th pixel without an edge in the other image.
   const std::uint16_t* penalties(int i) const {
     return penalties_.lanes - static_cast<std::ptrdiff_t>(edges_[i * direction_]) * kMostLanes;
   }
 
-  /// The path costs of some lanes of the i-th pixel, which go to the sums, too.
+  /// Computes the path costs of some lanes of the i-th pixel. Sets the sums, or adds with kAdd.
   template <bool kAdd, class D, class Lanes = hn::Vec<D>>
   HWY_INLINE Lanes extendLanes(D tag, int i, int lane, const std::uint16_t* penalties,
                                Lanes blocked, Lanes along, Lanes beside, Lanes lowest) {
     const auto values = hn::Load(tag, matching_ + i * stride_ + lane);
     const auto edges = hn::TestBit(values, hn::Set(tag, edge_bit_));
-    const auto penalty = [&](int first) HWY_ATTR {  // a vector cannot be a member
+    const auto penalty = [&](int first) HWY_ATTR {  // a lambda, because a vector cannot be a member
       return hn::IfThenElse(edges, hn::Load(tag, penalties + (first + 1) * kMostLanes),
                             hn::Load(tag, penalties + first * kMostLanes));
     };
@@ -321,14 +326,14 @@ class RowPath {
     return costs;
   }
 
-  /// Along and beside of the new tile's lanes, from the costs kept, which are forgotten. Stores
-  /// reach beyond the runs: later runs overwrite them, and of lanes without a hypothesis nothing
-  /// matters.
+  /// Sets `along` and `beside` for the lanes of the new tile from the kept costs, and clears these.
+  /// Stores extend beyond the runs. Later runs overwrite them, and values in lanes without a
+  /// hypothesis do not matter.
   HWY_INLINE void takePrevious(int rising) {
     const Tag tag;
     const auto step = static_cast<int>(hn::Lanes(tag));
     if (fresh_) {
-      // All costs zero, from which the step leads to L = C.
+      // With all costs zero, the step gives L = C.
       lowest_ = 0;
       fillVectors(0, tile_.lanes, front_.along());
     } else {
@@ -371,9 +376,9 @@ class RowPath {
   const std::uint16_t edge_bit_;
   RowFront& front_;
   const LaneRun* kept_ = &kNoRun;
-  bool fresh_ = true;  ///< the next pixel is the first one of the path
+  bool fresh_ = true;  ///< the next pixel is the first pixel of the path
   std::uint16_t lowest_ = 0;
-  // Of the tile, and at its first pixel:
+  // Data of the tile, at its first pixel.
   LaneTile tile_{nullptr, 0, 0, 0, nullptr, nullptr};
   int columns_ = 0;
   std::ptrdiff_t stride_ = 0;
@@ -384,8 +389,8 @@ class RowPath {
   const std::int8_t* rises_ = nullptr;
 };
 
-/// Calls a(i) … d(i) in turns, since each waits for its result of the call before, for the second
-/// and later pixels of the tiles.
+/// Calls a(i) … d(i) in turn for all pixels of the tiles except the first. Interleaving hides
+/// latency, because each call needs the result of its previous call.
 template <typename A, typename B, typename C, typename D>
 HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& b, const C& c,
                         const D& d) {
@@ -408,7 +413,7 @@ HWY_INLINE void inTurns(const std::array<int, 4>& columns, const A& a, const B& 
 }
 
 #if !HWY_HAVE_SCALABLE
-/// The second and later pixels of tiles that fit one vector.
+/// Processes all pixels except the first of tiles that fit one vector.
 template <bool kAdd, class D>
 HWY_INLINE void walkVectors(D tag, const std::array<int, 4>& columns, RowPath& a, RowPath& b,
                             RowPath& c, RowPath& d) {
@@ -440,7 +445,7 @@ HWY_INLINE void walkVectors(D tag, const std::array<int, 4>& columns, RowPath& a
 }
 #endif
 
-/// The same of any tiles.
+/// The same for tiles of any size.
 template <bool kAdd>
 HWY_INLINE void walkLongTiles(const std::array<int, 4>& columns, RowPath& a, RowPath& b, RowPath& c,
                               RowPath& d) {
@@ -459,7 +464,8 @@ HWY_INLINE void walkLongTiles(const std::array<int, 4>& columns, RowPath& a, Row
   d.setLowest(lowest_d);
 }
 
-/// Short vectors are not faster, but less has to be done to find the lowest of their lanes.
+/// Uses the shortest vector that fits. Short vectors are not faster, but their lowest lane is found
+/// in fewer steps.
 template <bool kAdd>
 HWY_INLINE void walkTiles(RowPath& a, RowPath& b, RowPath& c, RowPath& d) {
   const std::array<int, 4> columns = {a.columns(), b.columns(), c.columns(), d.columns()};
@@ -481,10 +487,10 @@ HWY_INLINE void walkTiles(RowPath& a, RowPath& b, RowPath& c, RowPath& d) {
   walkLongTiles<kAdd>(columns, a, b, c, d);
 }
 
-/// The paths of two rows, from the left and from the right each.
+/// The paths of two rows, each from the left and from the right.
 using Paths = std::array<RowPath, 4>;
 
-/// The n-th tiles of all paths.
+/// Processes the n-th tiles of all paths.
 template <bool kAdd>
 HWY_INLINE void walk(int n, int tiles, Paths& paths) {
   paths[0].start<kAdd>(n);
@@ -497,14 +503,14 @@ HWY_INLINE void walk(int n, int tiles, Paths& paths) {
   }
 }
 
-/// Whichever path comes first to a tile sets its path costs.
+/// The path that reaches a tile first sets its path costs.
 HWY_INLINE void walkRows(int tiles, const std::array<LaneRow, 2>& rows, Paths& paths) {
   int n = 0;
   for (; n < tiles / 2; ++n) {
     walk<false>(n, tiles, paths);
   }
   if (tiles % 2 == 1) {
-    for (const LaneRow& row : rows) {  // both paths meet
+    for (const LaneRow& row : rows) {  // both paths meet in this tile
       const LaneTile& tile = row.tiles[n];
       std::fill_n(tile.costs, tile.stride * kTileColumns, std::uint16_t{0});
     }
@@ -520,7 +526,7 @@ HWY_INLINE void walkRows(int tiles, const std::array<LaneRow, 2>& rows, Paths& p
 template <typename Cost>
 HWY_INLINE void runRows(const RowJob<Cost>& job, RowPaths::Memory& memory) {
   const SearchSpace& space = *job.setup.space;
-  // The second row may be the first one once more: then nobody looks at its sums.
+  // The second row may be a repetition of the first. Then its sums are not used.
   const std::array<int, 2> y = {job.rows.start, job.rows.end - 1};
   for (std::size_t i = 0; i < 2; ++i) {
     layOut(job, y[i], memory.rows[i]);
@@ -563,13 +569,13 @@ void runRows(const RowJob<std::uint16_t>& job, RowPaths::Memory& memory) {
   HWY_DYNAMIC_DISPATCH(runRowsOfWords)(job, memory);
 }
 
-/// Lanes that a transposition writes behind a run, at most.
+/// Largest number of lanes that a transposition writes after a run.
 constexpr int kSpill = 7;
 
-/// Of a tile, at most: gaps are no wider than what they stand for.
+/// Largest number of lanes of a tile. Gaps are not wider than the missing disparities.
 int mostLanes(int disparities) { return (disparities + kMostLanes - 1) / kMostLanes * kMostLanes; }
 
-/// Hypotheses of the tiles of the row that has most.
+/// Largest number of hypotheses in a row of tiles.
 std::size_t mostEntries(const SearchSpace& space) {
   std::size_t most = 0;
   for (int y = 0; y < space.height(); ++y) {
@@ -584,7 +590,7 @@ std::size_t mostEntries(const SearchSpace& space) {
 void LaneRow::resize(const SearchSpace& space) {
   const auto tile_count = static_cast<std::size_t>(space.tiles());
   const std::size_t entries = mostEntries(space);
-  // Every hypothesis may have two free lanes beside it; strideOf rounds up twice.
+  // Every hypothesis may have two free lanes beside it. strideOf rounds up twice.
   const std::size_t lanes = std::min(tile_count * mostLanes(space.range().count + kSpill),
                                      3 * entries + tile_count * (kSpill + kMostLanes - 1));
   tiles.resize(tile_count);

@@ -13,29 +13,29 @@
 
 namespace cbmv {
 
-/// At least the lanes of the widest vector.
+/// At least the number of lanes of the widest vector.
 constexpr int kMostLanes = 32;
 
-/// Consecutive disparities of a tile, and the vector lanes that they are put in.
+/// Consecutive disparities of a tile, and their position in the vector lanes.
 struct LaneRun {
   int lane;
   int index;
   int length;
 };
 
-/// A tile with a lane for each hypothesis, in ascending order, with gaps between the runs.
+/// A tile with one lane per hypothesis in ascending order, with gaps between the runs.
 struct LaneTile {
-  const LaneRun* runs;  ///< one of length 0 behind the last one
+  const LaneRun* runs;  ///< ends with a run of length 0
   int lanes;
-  int padded_lanes;  ///< whole vectors
-  int stride;        ///< of the pixels, in memory; whole vectors, too
-  /// [column][lane] of matching costs with edges (see MatchingLanes), then one row more:
-  /// kNoHypothesis in the lanes of no hypothesis, 0 in the others.
+  int padded_lanes;  ///< rounded up to whole vectors
+  int stride;        ///< distance between pixels in memory; whole vectors
+  /// [column][lane] of matching costs with edge bits (kLeftEdge, kRightEdge). One more row has
+  /// kNoHypothesis in the lanes without a hypothesis and 0 in the others.
   std::uint16_t* matching;
-  std::uint16_t* costs;  ///< [column][lane] of the path costs of one path, then of both
+  std::uint16_t* costs;  ///< [column][lane]: path costs of one path, then the sum of both
 };
 
-/// Memory of a row, laid out by lanes.
+/// Memory of a row in the layout by lanes.
 class LaneRow {
  public:
   void resize(const SearchSpace& space);
@@ -51,11 +51,11 @@ class RowFront {
  public:
   void resize(int disparities);
 
-  /// Of a pixel, [lane]; at least two elements on either side are kNoPath.
+  /// Costs of a pixel, [lane]. At least two elements on either side are kNoPath.
   std::uint16_t* costs(int pixel) { return costs_[pixel % 2].data() + kMostLanes; }
-  /// Of the last pixel of a tile, [index]; kNoPath where there is no hypothesis.
+  /// Costs of the last pixel of a tile, [index]. kNoPath where there is no hypothesis.
   std::uint16_t* previous() { return previous_.data() + kMostLanes; }
-  /// At the first pixel of a tile, [lane]: see pathCosts.
+  /// Inputs of pathCosts at the first pixel of a tile, [lane].
   std::uint16_t* along() { return along_.data(); }
   std::uint16_t* beside() { return beside_.data(); }
 
@@ -71,7 +71,8 @@ class RowFront {
 /// The paths along rows.
 class RowPaths {
  public:
-  /// Paths wait for their previous pixel all the time; this many rows fill the gaps.
+  /// Number of rows that are processed together, because each path has to wait for its previous
+  /// pixel.
   static constexpr int kRowsAtOnce = 2;
 
   struct Memory {

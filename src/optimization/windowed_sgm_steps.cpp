@@ -11,17 +11,17 @@
 namespace cbmv {
 namespace {
 
-/// Columns behind those of the tiles that may be read.
+/// Readable columns after those of the tiles.
 constexpr int kReadableColumns = 16;
 
-/// A neighbour of each pixel: its column is `columns` and its row `rows` lower.
+/// A neighbor of each pixel: `columns` to the left and `rows` above.
 struct Neighbour {
   int columns;
   int rows;
 };
 
-/// For every column in `columns` that has a neighbour, out[x] = step(neighbour's value, value), 0
-/// in the others.
+/// Sets out[x] = step(value of the neighbor, value) for every column in `columns` that has this
+/// neighbor, and 0 for the others.
 template <typename Value, typename Step>
 void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::Range& columns,
              std::int8_t* out, const Step& step) {
@@ -40,17 +40,18 @@ void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::
   }
 }
 
-/// -1 where the gray levels differ by at least `threshold_grey`.
+/// Sets -1 where the gray levels differ by at least `threshold_grey`.
 void findEdges(const cv::Mat& grey, float threshold_grey, int y, const Neighbour& neighbour,
                const cv::Range& columns, std::int8_t* out) {
-  // A whole number reaches the threshold exactly when it reaches the threshold rounded up.
+  // An integer reaches the threshold exactly if it reaches the threshold rounded up.
   const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
   findRow<std::uint8_t>(grey, y, neighbour, columns, out, [=](int previous, int next) {
     return static_cast<std::int8_t>(std::abs(next - previous) >= lowest_step ? -1 : 0);
   });
 }
 
-/// Where a surface rises by more than a disparity, the two pixels rather see two surfaces.
+/// If the surface changes by more than one disparity, the pixels probably belong to different
+/// surfaces, and the rise is 0.
 void findRises(const cv::Mat& surface, int y, const Neighbour& neighbour, const cv::Range& columns,
                std::int8_t* out) {
   findRow<std::int16_t>(surface, y, neighbour, columns, out, [](int previous, int next) {

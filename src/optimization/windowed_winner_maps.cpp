@@ -13,23 +13,23 @@
 namespace cbmv {
 namespace {
 
-/// In place of a winner's place in its tile's list.
+/// Place in the list for pixels without a winner.
 constexpr std::uint16_t kNone = 0xffff;
-/// Set in the places of entries that have the disparities before and after beside them.
+/// Set in the place of an entry if the previous and next disparity are adjacent to it in the list.
 constexpr std::uint16_t kHasNeighbors = 0x8000;
 constexpr std::uint16_t kPlaceMask = 0x7fff;
-/// Tiles whose winners are looked for while the matching costs of the first one's come from memory.
+/// Number of tiles between prefetching the matching costs of a tile's winners and using them.
 constexpr int kTilesAhead = 4;
 
-/// A tile, its columns and what they match.
+/// A tile, its columns and their matches.
 struct TileColumns {
   SearchSpace::Tile tile;
   DisparityRange range;
-  int x;      ///< of the first column
-  int count;  ///< of columns in the image
-  int width;  ///< of the images
+  int x;      ///< first column
+  int count;  ///< columns inside of the image
+  int width;  ///< image width
 
-  /// The place of an entry, as TileWinners holds it.
+  /// The place of entry k, in the format of TileWinners.
   std::uint16_t placeOf(int k) const {
     const std::int16_t* index = tile.indices + k;
     const bool has_neighbors =
@@ -37,15 +37,14 @@ struct TileColumns {
     return static_cast<std::uint16_t>(has_neighbors ? k | kHasNeighbors : k);
   }
 
-  /// Is the disparity of an entry the next one after that of the entry before?
+  /// Returns whether the disparity of entry k is one more than that of the previous entry.
   bool followsOn(int k) const { return k > 0 && tile.indices[k - 1] + 1 == tile.indices[k]; }
 
-  /// Entries of which the columns [begin, end) of the tile all have their match inside: [start,
-  /// end)
+  /// Entries [start, end) for which the matches of all columns [begin, end) of the tile are inside.
   cv::Range wholeEntries(int begin, int end) const {
     const int lowest = x + end - width - range.min;
     const int highest = x + begin - range.min;
-    cv::Range whole(0, tile.count);  // most often
+    cv::Range whole(0, tile.count);  // the most frequent case
     while (!whole.empty() && tile.indices[whole.start] < lowest) {
       ++whole.start;
     }
@@ -54,7 +53,7 @@ struct TileColumns {
     }
     return whole;
   }
-  /// Columns whose match lies inside at the disparity of an entry: [start, end), not limited to the
+  /// Columns [start, end) whose match is inside at the disparity of entry k, not limited to the
   /// tile.
   cv::Range insideAt(int k) const {
     const int first = range.min + tile.indices[k] - x;
@@ -62,11 +61,11 @@ struct TileColumns {
   }
 };
 
-/// The winners of a tile's columns.
+/// The winners of the columns of a tile.
 struct TileWinners {
   alignas(64) std::uint16_t places[kTileColumns];  ///< in the tile's list; kNone: no winner
   alignas(64) std::uint16_t lowest[kTileColumns];  ///< costs
-  alignas(64) std::uint16_t before[kTileColumns];  ///< costs of the entries next to the winners
+  alignas(64) std::uint16_t before[kTileColumns];  ///< costs of the entries adjacent to the winners
   alignas(64) std::uint16_t after[kTileColumns];
   alignas(64) std::uint16_t margins[kTileColumns];
   alignas(64) std::int32_t disparities[kTileColumns];
@@ -81,8 +80,8 @@ struct RowMaps {
   std::uint16_t* margin;
 };
 
-/// Completes the winners whose places are known. Nobody has set the costs of columns beyond the
-/// image, nor the places that come from them.
+/// Sets disparities and matching costs of the winners from their places. Columns beyond the image
+/// have unspecified costs and places, so they are skipped.
 inline void lookUp(const TileColumns& columns, const std::uint8_t* matching_costs,
                    TileWinners& winners) {
   for (int c = 0; c < columns.count; ++c) {
@@ -93,7 +92,7 @@ inline void lookUp(const TileColumns& columns, const std::uint8_t* matching_cost
   }
 }
 
-/// Asks for the matching costs of the winners, which are anywhere in a long list.
+/// Prefetches the matching costs of the winners, which can be anywhere in a long list.
 inline void fetch(const TileColumns& columns, const std::uint8_t* matching_costs,
                   const TileWinners& winners) {
   for (int c = 0; c < columns.count; ++c) {
@@ -122,7 +121,7 @@ using CostTag = hn::CappedTag<std::uint16_t, kTileColumns>;
 using FloatTag = hn::CappedTag<float, kTileColumns>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 
-/// Which columns from `begin` on have their match outside at the disparity of an entry?
+/// Columns from `begin` on whose match is outside at the disparity of entry k.
 HWY_INLINE hn::Mask<CostTag> areOutside(const TileColumns& columns, int k, int begin) {
   const CostTag tag;
   const cv::Range inside = columns.insideAt(k) - begin;
@@ -130,8 +129,8 @@ HWY_INLINE hn::Mask<CostTag> areOutside(const TileColumns& columns, int k, int b
                 hn::Not(hn::FirstN(tag, std::max(inside.end, 0))));
 }
 
-/// Finds places, costs and margins of the winners of the columns from `begin` on, as many as a
-/// vector has lanes; `costs` are those of the first entry.
+/// Finds places, costs and margins of the winners for one vector of columns from `begin` on.
+/// `costs` are the costs of the first entry.
 HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* costs, int begin,
                             TileWinners& winners) {
   const CostTag tag;
@@ -142,14 +141,14 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
   auto after = hn::Zero(tag);
   auto last = hn::Zero(tag);
   auto second = hn::Set(tag, kNoMargin);      // lowest cost more than 1 px away from the winner
-  auto far_lowest = hn::Set(tag, kNoMargin);  // the same for the entry, of those before it
+  auto far_lowest = hn::Set(tag, kNoMargin);  // lowest cost more than 1 px below the current entry
   const auto all = hn::FirstN(tag, kTileColumns);
   auto stayed = all;  // columns whose winner is not the last entry
   const cv::Range whole = columns.wholeEntries(begin, begin + count);
   for (int k = 0; k < columns.tile.count; ++k) {
     const auto cost = hn::LoadU(tag, costs + static_cast<std::ptrdiff_t>(k) * kTileColumns + begin);
     const auto lower = hn::Min(lowest, cost);
-    if (!columns.followsOn(k)) {  // the entry before is more than 1 px away from this one
+    if (!columns.followsOn(k)) {  // the previous entry is more than 1 px away
       stayed = all;
       far_lowest = lowest;
     }
@@ -178,8 +177,8 @@ HWY_INLINE void findWinners(const TileColumns& columns, const std::uint16_t* cos
             winners.margins + begin);
 }
 
-/// Minimum of the parabola through the costs beside the winners, relative to these; 0 where they
-/// have no strict minimum there.
+/// Minimum of the parabola through the costs of the winners and their neighbors, relative to the
+/// winners. 0 where they have no strict minimum at the winner.
 HWY_INLINE hn::Vec<FloatTag> parabolaMinimum(const TileWinners& winners, int c) {
   const IntTag tag;
   const FloatTag float_tag;
@@ -194,7 +193,7 @@ HWY_INLINE hn::Vec<FloatTag> parabolaMinimum(const TileWinners& winners, int c) 
   return hn::IfThenElseZero(hn::RebindMask(float_tag, is_minimum), hn::Div(slope, twice_curvature));
 }
 
-/// Are d − 1 and d + 1 in the list, and lie their matches inside?
+/// Lanes where d − 1 and d + 1 are in the list and their matches are inside.
 HWY_INLINE hn::Mask<FloatTag> canBeRefined(const TileColumns& columns, const TileWinners& winners,
                                            int c) {
   const IntTag tag;

@@ -21,8 +21,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Words = hn::CappedTag<std::uint16_t, kTileColumns>;
 
-/// Finds the cheapest entry of every column of a tile: `lowest` and `winners` of kTileColumns
-/// values. Entries of `inside` are compared whole, the others column by column by the caller.
+/// Updates `lowest` and `winners` (kTileColumns values each) with the entry of lowest cost for
+/// every column of a tile. All entries must have their matches inside for all columns.
 void findTileWinners(const std::uint16_t* costs, const std::int16_t* indices, int count,
                      std::uint16_t* lowest, std::uint16_t* winners) {
   const Words tag;
@@ -42,7 +42,8 @@ void findTileWinners(const std::uint16_t* costs, const std::int16_t* indices, in
   }
 }
 
-/// Lowers the costs of neighbouring right pixels to those of an entry, whose index is `index`.
+/// Updates the winners of neighboring right pixels with the costs of an entry. `index` is the index
+/// of its disparity.
 void lowerRight(const std::uint16_t* costs, std::uint16_t index, std::uint16_t* lowest,
                 std::uint16_t* winners) {
   const Words tag;
@@ -52,7 +53,7 @@ void lowerRight(const std::uint16_t* costs, std::uint16_t index, std::uint16_t* 
     const auto before = hn::LoadU(tag, lowest + c);
     const auto winner = hn::LoadU(tag, winners + c);
     const auto here = hn::Set(tag, index);
-    // Of equal costs the smaller disparity; tiles come in any order of disparities.
+    // The smaller disparity wins ties. Disparities of the tiles come in any order.
     const auto is_better =
         hn::Or(hn::Lt(cost, before), hn::And(hn::Eq(cost, before), hn::Lt(here, winner)));
     hn::StoreU(hn::Min(cost, before), tag, lowest + c);
@@ -60,9 +61,9 @@ void lowerRight(const std::uint16_t* costs, std::uint16_t index, std::uint16_t* 
   }
 }
 
-/// The winners of the right pixels of a row, from the entries of its tiles whose columns all have
-/// their match inside. Goes from tile to tile, to every other one: the entries of a tile overlap,
-/// and a vector that is read where others were just written waits for these to reach the cache.
+/// Finds the winners of the right pixels of a row, from the entries of its tiles whose matches are
+/// inside for all columns. Processes every other tile in turn: the entries of a tile overlap, and a
+/// vector load from recently stored memory has to wait until the stores reach the cache.
 void lowerRightRow(const TileEntries* tiles, int count, int first_disparity, std::uint16_t* lowest,
                    std::uint16_t* winners) {
   for (const int first_tile : {0, 1}) {
@@ -98,14 +99,15 @@ HWY_EXPORT(lowerRightRow);
 constexpr std::uint16_t kNoCost = 0xffff;
 constexpr std::uint16_t kNoIndex = 0x7fff;
 
-/// Columns of a tile whose match at a disparity lies inside, from the tile's first on.
+/// Columns of a tile whose match at a disparity is inside, relative to the first column of the
+/// tile.
 ColumnSpan insideTile(int width, View view, int d, int first) {
   const ColumnSpan inside = matchedColumns(width, view == View::kLeft ? d : -d);
   const int begin = std::clamp(inside.begin - first, 0, kTileColumns);
   return {begin, std::clamp(inside.end - first, begin, kTileColumns)};
 }
 
-/// The entries of a tile that lie inside whole: [begin, end) of its list.
+/// Entries [begin, end) of a tile's list whose matches are inside for all columns.
 cv::Range wholeEntries(const SearchSpace& space, const SearchSpace::Tile& tile, View view,
                        int first) {
   const auto is_whole = [&](int k) {
@@ -117,7 +119,7 @@ cv::Range wholeEntries(const SearchSpace& space, const SearchSpace::Tile& tile, 
   while (begin < tile.count && !is_whole(begin)) {
     ++begin;
   }
-  int end = tile.count;  // most often
+  int end = tile.count;  // the most frequent case
   while (end > begin && !is_whole(end - 1)) {
     --end;
   }
@@ -129,7 +131,7 @@ struct TileWinners {
   std::uint16_t winners[kTileColumns];
 };
 
-/// Takes the entries [begin, end) of the list, which lie inside in part.
+/// Updates `found` with the given entries, whose matches are inside only for some columns.
 void takeColumns(const SearchSpace& space, const SearchSpace::Tile& tile,
                  const std::uint16_t* costs, View view, int first, const cv::Range& entries,
                  TileWinners& found) {

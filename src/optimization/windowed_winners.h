@@ -12,15 +12,17 @@
 
 namespace cbmv {
 
-/// Cheapest disparity of every pixel among the hypotheses of the space whose match lies inside of
-/// the other image; the smallest such disparity on ties. `disparity` becomes CV_32FC1 of whole
-/// pixels; range.invalid() where there is none. Parallel over rows by oneTBB.
+/// Finds the disparity of lowest cost for every pixel among the hypotheses of the space whose match
+/// is inside of the other image. The smallest disparity wins ties. `disparity` becomes CV_32FC1
+/// with whole pixels. It is range.invalid() where there is no hypothesis. Parallel over rows by
+/// oneTBB.
 void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& costs, View view,
                      cv::Mat& disparity);
 
-/// Entries of a tile that lie inside of the right image whole: [begin, end) of its list.
+/// Entries [begin, end) of a tile's list whose matches are inside of the right image for all
+/// columns.
 struct TileEntries {
-  const std::uint16_t* costs;  ///< of the first entry of the list
+  const std::uint16_t* costs;  ///< at the first entry of the list
   const std::int16_t* indices;
   int begin;
   int end;
@@ -33,8 +35,8 @@ struct RightWinnersRow {
   std::vector<TileEntries> tiles;
 };
 
-/// The same for the pixels of the right image, from the costs of the left view: the winner of
-/// (x, y) is the smallest d that minimizes left_costs(x + d, y, d).
+/// Winner-takes-all for the right image, from the costs of the left view. The winner of (x, y) is
+/// the smallest d that minimizes left_costs(x + d, y, d).
 void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolume& left_costs,
                            PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity);
 
