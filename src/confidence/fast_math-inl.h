@@ -1,7 +1,7 @@
-// exp2 and log of vectors. Results are bit-identical on every machine: no fused multiply-add, no
-// approximate reciprocal. The accuracy is sufficient for features, which become one of 256 codes:
-// the relative error of exp2 is below 8e-5, the absolute error of log is below 1.1e-5 plus one ulp.
-// Included once per instruction set.
+// Computes exp2 and log of vectors. Results are bit-identical on every machine: no fused
+// multiply-add, no approximate reciprocal. The accuracy is sufficient for features, which become
+// one of 256 codes: the relative error of exp2 is below 8e-5, the absolute error of log is
+// below 1.1e-5 plus one ulp. Included once per instruction set.
 #if defined(CBMV_FAST_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef CBMV_FAST_MATH_INL_H
 #undef CBMV_FAST_MATH_INL_H
@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace cbmv {
 namespace HWY_NAMESPACE {
 
-/// first + x · rest
+/// Computes first + x · rest.
 template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
 HWY_INLINE V plusTimes(D d, float first, V x, V rest) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -28,7 +28,7 @@ HWY_INLINE V plusTimes(D d, float first, V x, V rest) {
 /// low bits.
 constexpr float kUnitIsLowestBit = 0x1.8p23F;
 
-/// 2^x for x ≤ 0; below −126 the result is 2^−126.
+/// Computes 2^x for x ≤ 0. For x < −126, the result is 2^−126.
 template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
 HWY_INLINE V exp2OfNegative(D d, V x) {
   namespace hn = hwy::HWY_NAMESPACE;
@@ -45,7 +45,7 @@ HWY_INLINE V exp2OfNegative(D d, V x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(integer, power), exponent_bits));
 }
 
-/// log(x) for normal x > 0.
+/// Computes log(x) for normal x > 0.
 template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
 HWY_INLINE V logOfPositive(D d, V x) {
   namespace hn = hwy::HWY_NAMESPACE;

@@ -19,7 +19,7 @@ struct TrainingRecord {
   double held_out_log_loss = 0;  ///< nats per sample, on samples not used in training
   /// On the same samples, ordered by probability. Empty: not measured.
   std::vector<ReliabilityBin> reliability;
-  /// expected calibration error: mean over the samples of |predicted − observed|
+  /// Expected calibration error: mean over the samples of |predicted − observed|
   double calibration_error = 0;
   /// Fraction of the total gain of all splits per feature; the sum is 1. Empty: not measured.
   std::vector<double> feature_importance;

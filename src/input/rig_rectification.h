@@ -17,8 +17,10 @@ struct RigTransform {
 /// equidistant, with zero disparity at infinity and alpha 0: both cameras get the same principal
 /// point, and the borders have no invalid pixels.
 ///
-/// Throws Error if the cameras have different models or sizes, an unknown model, no size or values
-/// that are not finite, or if the transform is not a rotation with a translation.
+/// Throws Error if
+/// - the models or sizes of the cameras differ,
+/// - a model is unknown, there is no size, or values are not finite,
+/// - the transform is not a rotation with a translation.
 void rectifyRig(StereoCameras& cameras, const RigTransform& right_from_left);
 
 }  // namespace cbmv

@@ -11,9 +11,12 @@ namespace cbmv {
 
 /// Reads an image with the depth of its file: CV_8U or CV_16U with one channel (gray) or three
 /// channels (blue, green, red). Palettes become colors. Transparency is dropped. The orientation in
-/// the file is ignored, because it would rotate the rows of a rectified pair. Throws Error naming
-/// the file if it is missing or not an image, if its channels do not have 8 or 16 bits, or if a PNG
-/// or JPEG declares more than 2^27 pixels.
+/// the file is ignored, because it would rotate the rows of a rectified pair.
+///
+/// Throws Error naming the file if
+/// - it is missing or not an image,
+/// - its channels do not have 8 or 16 bits,
+/// - a PNG or JPEG declares more than 2^27 pixels.
 cv::Mat readImage(const std::string& path);
 
 /// Reads a pair with readImage and converts it with toGrayPair (gray_pair.h), which stretches 16

@@ -11,8 +11,10 @@ namespace cbmv {
 /// are returned as stored, including infinity. The header may have comments (from # to the end of
 /// the line, before a number) and Windows line ends.
 ///
-/// Throws Error naming the file if it is missing, is not a "Pf" map, has a side outside of
-/// 1..65535, or does not have exactly the length that its header declares (checked before memory is
+/// Throws Error naming the file if
+/// - it is missing or not a "Pf" map,
+/// - a side is outside of 1..65535,
+/// - its length differs from the length that its header declares (checked before memory is
 /// allocated).
 cv::Mat readPfm(const std::string& path);
 

@@ -131,8 +131,8 @@ HWY_INLINE void addRowsOnArms(Tag tag, const RowToAverage<hn::TFromD<Tag>>& row,
   }
 }
 
-/// sum / pixels, rounded to the nearest integer (halves up), for means of at most 16383 over at
-/// most 225 pixels. Only the lower 16 bits of the result are valid.
+/// Computes sum / pixels, rounded to the nearest integer (halves up), for means of at most 16383
+/// over at most 225 pixels. Only the lower 16 bits of the result are valid.
 ///
 /// The result is exact. Halves are exact in float, and the small offset rounds them up. All other
 /// quotients are at least 1/450 away from a half, which is more than the offset plus the rounding

@@ -496,7 +496,7 @@ class ArmLine {
 
  private:
   int columns_ = 0;
-  /// four channels; points into the image if all columns are inside
+  /// Four channels. Points into the image if all columns are inside.
   const std::uint32_t* taken_ = nullptr;
   std::vector<std::uint32_t> arms_;
   std::array<std::vector<std::uint16_t>, 2> pairs_;

@@ -37,7 +37,7 @@ struct ProcessedFrame {
   double disparity_step_px = 0;     ///< see disparityStep
   RectificationState rectification;
   std::vector<std::string> warnings;  ///< about input and calibration
-  /// one sentence if the requested range was clipped; otherwise empty
+  /// One sentence if the requested range was clipped, otherwise empty.
   std::string range_correction;
 };
 
@@ -116,24 +116,24 @@ class FrameProcessor {
   mutable CheckedCameras checked_;  ///< the newest
 };
 
-/// Smallest step between two disparities that `options` can give, in pixels: 1 if they are whole
-/// pixels, else the spacing of float at the largest disparity of `range`.
+/// Smallest step between two disparities with these `options`, in px: 1 for whole-pixel
+/// disparities, otherwise the spacing of float at the largest disparity of `range`.
 double disparityStep(const DisparityRange& range, const RefinementOptions& options);
 
-/// "0 ... 63 px" for people.
+/// Formats a range for users as "0 ... 63 px".
 std::string describeRange(const DisparityRange& range);
 
-/// The disparities of `range`, which is not automatic, that have a match in images of that width.
-/// Throws InputError if there are none.
+/// The disparities of `range` that have a match in images of this width. `range` must not be
+/// automatic. Throws InputError if there are none.
 DisparityRange clipRange(const DisparityRange& range, int image_width);
 
-/// The disparities that a pair is matched over by itself: found where `wanted` is automatic, and
-/// clipped to the images. Throws InputError if none fits them.
+/// The disparity range for matching this pair: found in the images if `wanted` is automatic, and
+/// clipped to the images. Throws InputError if no disparity fits the images.
 DisparityRange rangeOfPair(const GrayPair& images, const DisparityRange& wanted);
 
-/// The options `wanted`, whose range is not automatic, with the range clipped to images of that
-/// size. Throws InputError if the images cannot be matched so: no disparity fits, or they need more
-/// memory than max_memory_mb or the machine has. `image_name` begins the text.
+/// The options `wanted` with the range clipped to images of this size. The range must not be
+/// automatic. Throws InputError if no disparity fits the images, or if they need more memory than
+/// max_memory_mb or than the machine has. The text begins with `image_name`.
 StereoOptions optionsFor(cv::Size image_size, const StereoOptions& wanted,
                          const std::string& image_name);
 

@@ -66,7 +66,7 @@ void RectificationTracker::start(Pair pair) {
     pair.left = pair.left.clone();
     pair.right = pair.right.clone();
     worker_->submit(std::move(pair));
-    // safe: the estimate cannot have finished, because finish() needs the mutex
+    // The estimate cannot have finished yet, because finish() needs the mutex.
     is_running_ = true;
   } catch (const std::exception&) {
     return;  // no memory or no thread: the next pair tries again

@@ -72,7 +72,7 @@ class RectificationTracker {
   cv::Size size_;
   VerticalOffset model_;
   Measurement measurement_;
-  /// last member: destroyed before the members that it uses
+  /// Last member: destroyed before the members that it uses.
   std::unique_ptr<FrameWorker<Pair>> worker_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRightColumns = 5;
 constexpr float kTolerancePx = 4;
-// fraction of the width, from the border of the right image
+// Fraction of the width, from the border of the right image.
 constexpr float kFarthestMatch = 1.0F / 16;
 
 /// The last left column that the first right columns of a row match. Empty if they have no match.

@@ -53,7 +53,7 @@ void CellGrid::sum(const cv::Mat& map) {
 void CellGrid::windowMeans(int cells, cv::Mat& means) {
   CV_Assert(cells % 2 == 1 && cells >= 1 && cells <= kMostCells);
   const int radius = cells / 2;
-  // large enough for all windows
+  // Large enough for all windows.
   vertical_sums_.create(sums_.rows, sums_.cols + kMostCells - 1, CV_32SC1);
   means.create(sums_.size(), CV_32SC1);
   const int pixels = cells * cells * kCellPx * kCellPx;
