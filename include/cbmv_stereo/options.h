@@ -26,8 +26,8 @@ struct SearchOptions {
   /// How often the pair is halved. The exhaustive search runs at 1 / 2^levels of the image size.
   /// 0: at full size.
   int levels = 3;
-  int neighborhood_px = 1;  ///< radius in coarse pixels from which disparities are taken
-  int margin_px = 1;        ///< and in disparities, around twice each of these
+  int neighborhood_px = 1;  ///< coarse disparities are used up to this distance, coarse px
+  int margin_px = 1;        ///< and searched up to this far from twice their value, px
 };
 
 /// Cross-based cost aggregation (CBCA), before and after SGM. Defaults: the authors' Middlebury
@@ -59,7 +59,7 @@ struct SgmOptions {
 /// All steps after winner-takes-all (WTA). Defaults: the authors' Middlebury settings.
 struct RefinementOptions {
   bool left_right_check = true;  ///< label occluded and mismatched pixels
-  /// SGM on the right view for the check; false: its WTA uses the left volume
+  /// SGM runs on the right view for the check. false: the right winners are from the left volume.
   bool optimize_right_view = true;
   float max_left_right_difference_px = 1.0F;  ///< the views agree up to this difference
   bool fill_occlusions = true;                ///< false: occluded pixels are invalid

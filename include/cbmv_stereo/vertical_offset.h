@@ -17,8 +17,7 @@ namespace cbmv {
 ///
 /// A camera that is turned by small angles a (pitch), b (yaw), c (roll) has
 ///   dy = f a + c u + (b/f) u v + (a/f) v² (Longuet-Higgins & Prazdny 1980).
-/// slope_y is a difference of the focal lengths.
-/// Residual lens distortion changes all terms.
+/// slope_y is a difference of the focal lengths. Residual lens distortion changes all terms.
 struct CBMV_API VerticalOffset {
   static constexpr int kParameters = 6;
 

@@ -10,6 +10,7 @@ namespace cbmv {
 /// - Portable float map (extension .pfm in upper or lower case): values that are not finite are
 ///   unknown.
 /// - Any other image, which must be gray with 8 or 16 bits: 0 is unknown.
+///
 /// Throws Error naming the file if it is missing, malformed or of another type.
 cv::Mat readDisparity(const std::string& path, double divisor);
 

@@ -14,8 +14,7 @@ namespace cbmv {
 /// Throws Error naming the file if
 /// - it is missing or not a "Pf" map,
 /// - a side is outside of 1..65535,
-/// - its length differs from the length that its header declares (checked before memory is
-/// allocated).
+/// - its length differs from the length in its header (checked before memory is allocated).
 cv::Mat readPfm(const std::string& path);
 
 /// Writes a CV_32FC1 map as a little-endian "Pf" file with scale −1. Throws Error naming the file

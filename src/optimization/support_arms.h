@@ -13,6 +13,7 @@ namespace cbmv {
 /// - the pixel is inside of the image,
 /// - it is less than `max_length` pixels away, and
 /// - it differs from the center by less than `threshold_grey` gray levels.
+///
 /// So an arm has at most max_length − 1 pixels in addition to the center.
 ///
 /// `grey` is CV_8UC1. `arms` becomes CV_8UC4 of the same size with the channels left, right, up,

@@ -15,20 +15,16 @@ constexpr std::int16_t kNoSurface = -32768;
 /// priors, Scharstein, Taniai and Sinha 2017). SGM can follow these surfaces. Without them, it
 /// turns slanted surfaces into stairs. The object keeps its memory.
 ///
-/// - A plane is fitted around every cell of 4 × 4 coarse pixels by weighted least squares, three
-/// times.
-/// - The weight of a pixel decreases with its distance: recursive exponential filters run over the
-/// sums
-///   of the cells.
-/// - In the second and third fit, the weight of a pixel is multiplied by (1 + r² / s²)⁻², with s =
-/// 2
-///   and 1. r is the distance in px from the surface of the previous fit.
-/// - A cell has a surface if 60 % of the disparities around it, weighted by distance, are within 1
-/// px
-///   of the surface of the previous fit.
-/// - The planes of the four cells around a pixel are blended bilinearly. If one of these cells has
-/// no
-///   surface, the pixel has none.
+/// - A plane is fitted around every cell of 4 × 4 coarse pixels by weighted least squares. There
+///   are three fits.
+/// - The weight of a pixel decreases with its distance: recursive exponential filters run over
+///   the sums of the cells.
+/// - In the second and third fit, the weight of a pixel is multiplied by (1 + r² / s²)⁻², with
+///   s = 2 and s = 1. r is the distance in px from the surface of the previous fit.
+/// - A cell has a surface if 60 % of the disparities around it, weighted by distance, are within
+///   1 px of the surface of the previous fit.
+/// - The planes of the four cells around a pixel are blended bilinearly. If one of these cells
+///   has no surface, the pixel has none.
 class SurfacePrior {
  public:
   /// Sets `surface` to a CV_16SC1 map of `size`, which is twice the size of `coarse` or one pixel

@@ -19,8 +19,8 @@ namespace cbmv {
 ///   L_r(p, d) = C(p, d) − min_k L_r(q, k)
 ///             + min{ L_r(q, e), L_r(q, e−1) + P1, L_r(q, e+1) + P1, min_k L_r(q, k) + P2 }.
 /// The disparities at q are those of q's tile; L_r(q, k) is infinite for all others. If q's tile
-/// has none, and at the first pixel of a path, L_r = C. e = d, except where a known surface rises
-/// by s = surface(p) − surface(q) = ±1 from q to p: there e = d − s (Scharstein et al. 2017). So
+/// has none, and at the first pixel of a path, L_r = C. In general e = d. Where a known surface
+/// rises by s = surface(p) − surface(q) = ±1 from q to p, e = d − s (Scharstein et al. 2017). So
 /// following the surface costs nothing.
 ///
 /// P1 and P2 are `options.p1` and `options.p2` times 255, divided depending on the hypothesis. The
@@ -31,6 +31,7 @@ namespace cbmv {
 /// - An edge in one image: both divided by q1.
 /// - Edges in both images: both divided by q1·q2.
 /// - On vertical paths, P1 is also divided by alpha1.
+///
 /// Penalties are rounded to the nearest integer: std::lround(255.0 * p / divisor). The divisors are
 /// multiplied first, in double.
 ///

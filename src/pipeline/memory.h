@@ -17,9 +17,8 @@ namespace cbmv {
 ///                               v = 2, or v = 1 with at most one step (cbca_iterations_before +
 ///                               sgm_iterations + cbca_iterations_after)
 ///   maps      about 147 W H     memory per pixel of the four matchers, the estimate of the
-///   residual
-///                               vertical offset, cost aggregation, SGM, refinement and the result;
-///                               less if parts of the method are disabled
+///                               residual vertical offset, cost aggregation, SGM, refinement and
+///                               the result; less if parts of the method are disabled
 ///   selection 35 W H + 70 T W   with second_forest, whether or not the file has a second forest;
 ///                               18 W H + 40 T W without replace_improbable
 ///   rows      T W (11 D + 200)  costs, terms and codes of the row of a thread; less with forests

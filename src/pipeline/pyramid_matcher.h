@@ -20,8 +20,7 @@ int searchLevels(const cv::Size& image_size, const StereoOptions& options);
 /// Coarse-to-fine search, after Rothermel et al. 2012 (tSGM) and Hirschmüller, Buder, Ernst 2012:
 /// - The pair is matched exhaustively at 1 / 2^levels of its size.
 /// - Every finer level is matched over a search space. SearchWindows builds it from the coarser
-/// level
-///   and from mutual matches.
+///   level and from mutual matches.
 /// - With the left-right consistency check, SGM also runs on the right view at coarse levels.
 /// - SGM follows surfaces that are found at the coarser level.
 ///

@@ -12,6 +12,7 @@ namespace cbmv {
 /// - match if |d − D_R(x − d)| ≤ max_difference_px;
 /// - otherwise mismatched if |d' − D_R(x − d')| ≤ max_difference_px for another d' of the range;
 /// - otherwise occluded.
+///
 /// Columns are rounded to the nearest pixel (std::lround). Columns outside of the right image and
 /// invalid pixels of either image agree with nothing. d' are whole pixels and are also tested for
 /// invalid pixels of the left image.

@@ -13,10 +13,10 @@ namespace cbmv {
 ///   D = d − (C+ − C−) / (2 (C+ − 2 C + C−)), |D − d| ≤ 0.5.
 /// A pixel does not change if
 /// - it is invalid or not a whole number;
-/// - it is at the ends of the range or next to a hypothesis whose match is outside of the other
-/// image;
-/// - the costs have no strict minimum at d: C > C−, C > C+, or all three equal (mostly filled
-/// pixels).
+/// - it is at the ends of the range;
+/// - it is next to a hypothesis whose match is outside of the other image;
+/// - the costs have no strict minimum at d: C > C−, C > C+, or all three are equal (mostly filled
+///   pixels).
 ///
 /// Changes `disparity` (CV_32FC1, of `view`) in place. Parallel over rows by oneTBB.
 void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range,

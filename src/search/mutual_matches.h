@@ -25,8 +25,8 @@ constexpr std::int16_t kNoMatch = -1;
 /// A left pixel has a match if
 /// - its winner and the winner of the matching right pixel differ by at most 1, and
 /// - its cost is below `clear_percent` percent of the lowest cost among its disparities that are
-/// more
-///   than 1 away from the winner. There must be at least one of these.
+///   more than 1 away from the winner. There must be at least one of these.
+///
 /// So windows without texture or with repeated texture have no match.
 class MutualMatcher {
  public:

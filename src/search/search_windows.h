@@ -19,9 +19,11 @@ namespace cbmv {
 /// The disparities of a pixel are:
 /// - those within margin_px of twice a coarse disparity, from coarse pixels that are at most
 ///   neighborhood_px rows and columns away from the position of the pixel in the coarse image;
-/// - d − 1 … d + 1 of mutual matches that are at most kRescueRows rows and kRescueColumns columns
-/// away. A tile has the disparities of all its pixels, limited to the range. A tile without any has
-/// the whole range.
+/// - d − 1 … d + 1 of mutual matches that are at most kRescueRows rows and kRescueColumns
+///   columns away.
+///
+/// A tile has the disparities of all its pixels, limited to the range. A tile without any has the
+/// whole range.
 class SearchWindows {
  public:
   static constexpr int kRescueRows = 3;

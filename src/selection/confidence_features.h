@@ -18,8 +18,7 @@ namespace cbmv {
 ///   left_right    left-right difference in 1/8 px; 255: unknown
 ///   unmatched     250 where the left-right consistency check failed, otherwise 0
 ///   border        distance of the match from the left border of the right image, 3 per px,
-///   starting
-///                 5 px outside
+///                 starting 5 px outside
 ///   *_5           means over 5 × 5 px of these and of roughness (differences between neighboring
 ///                 disparities, 64 per px), and the difference between the disparity and its mean
 ///                 (compressed, 8 per px)
