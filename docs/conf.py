@@ -12,6 +12,8 @@ version = release = re.search("<version>(.*)</version>", (DOCS.parent / "package
 extensions = ["myst_parser", "breathe"]
 myst_heading_anchors = 4
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 html_title = f"cbmv_stereo {version}"
 html_show_sourcelink = False
 html_show_copyright = False
