@@ -63,6 +63,29 @@ class Soak(ScriptTest):
         self.refuses("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
 
 
+class CheckLinks(ScriptTest):
+    def check(self, *arguments):
+        return subprocess.run([SCRIPTS / "check_links", *arguments], check=False, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True)
+
+    def test_the_docs_have_no_broken_link(self):
+        done = self.check()
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_broken_links_are_named(self):
+        self.make_folders("docs")
+        (self.folder / "docs" / "a.md").write_text("# A `b`: c_d\n[x](../README.md) [y](#a-b-c_d)\n")
+        (self.folder / "README.md").write_text(
+            "[a](docs/a.md#a-b-c_d) [b](docs/b.md) [c](docs/a.md#e) [d](../f.md) [e](https://g.example)\n")
+        done = self.check("--root", self.folder, "--external")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stdout, "README.md: https://g.example\n")
+        self.assertEqual(done.stderr.splitlines(), [
+            "README.md: link docs/b.md: there is no such file",
+            "README.md: link docs/a.md#e: docs/a.md has no such heading",
+            "README.md: link ../f.md: there is no such file"])
+
+
 class Generalization(ScriptTest):
     DATA = ("data/middlebury_eval3_Q", "data/kitti2012", "data/kitti2015")
 
