@@ -120,8 +120,8 @@ void averageColumnsOfWords(const PathPixels<std::uint16_t>& pixels, const RowPen
 }
 
 /// Processes both paths along a row together, because each has to wait for its previous pixel. The
-/// path that reaches a pixel first sets its sums. Path 0 is from the left, path 1 is from the
-/// right.
+/// path that reaches a pixel first sets its sums, the other path adds to them. Path 0 is from the
+/// left, path 1 is from the right.
 template <typename Cost>
 HWY_INLINE void extendBothWays(const PathPixels<Cost> pixels, const RowPenalties from_left,
                                const RowPenalties from_right, const PathEnds ends) {

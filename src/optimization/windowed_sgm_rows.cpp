@@ -503,7 +503,7 @@ HWY_INLINE void walk(int n, int tiles, Paths& paths) {
   }
 }
 
-/// The path that reaches a tile first sets its path costs.
+/// The path that reaches a tile first sets its path costs, the other path adds to them.
 HWY_INLINE void walkRows(int tiles, const std::array<LaneRow, 2>& rows, Paths& paths) {
   int n = 0;
   for (; n < tiles / 2; ++n) {

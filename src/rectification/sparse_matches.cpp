@@ -65,7 +65,7 @@ class CoarseSearch {
   static constexpr int kRadius = 4;
   static constexpr int kSide = 2 * kRadius + 1;
   static constexpr float kMinCorrelation = 0.8F;
-  // Standard deviation of the intensities: 2 gray levels.
+  // Lowest energy of a window: the standard deviation of the intensities is 2 gray levels.
   static constexpr float kMinEnergy = 4.0F * kSide * kSide;
   /// Largest ratio between the dissimilarity of the best position and that of any other.
   /// Dissimilarity is 1 − correlation plus a small constant, so that two perfect positions count as

@@ -109,8 +109,8 @@ HWY_INLINE void sortThree(Vector& a, Vector& b, Vector& c) {
   sortPair(a, b);
 }
 
-/// Medians of 3 × 3 windows. After sorting the columns, it is the median of three values: the
-/// largest of the lows, the median of the middles and the smallest of the highs.
+/// Medians of 3 × 3 windows. After sorting the columns, the result is the median of three values:
+/// the largest of the lows, the median of the middles and the smallest of the highs.
 HWY_INLINE Vector medianOfNine(const float* window, std::ptrdiff_t stride, float invalid) {
   const Floats tag;
   const auto load = [=](int y, int x) HWY_ATTR { return hn::LoadU(tag, window + y * stride + x); };

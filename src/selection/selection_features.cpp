@@ -251,10 +251,11 @@ namespace {
 
 HWY_EXPORT(codeBlock);
 
-/// The padding, plus the pixels that a block reads beyond the end of a row.
 constexpr int kPadding = ConfidencePlanes::kBorderPx;
 constexpr std::array<int, 2> kConfidenceCells = {3, 5};
 
+/// Adds the border. On the right, it is wider by the pixels that a block reads beyond the end of a
+/// row.
 void pad(const cv::Mat& map, cv::Mat& padded) {
   cv::copyMakeBorder(map, padded, kPadding, kPadding, kPadding, kPadding + kBlock,
                      cv::BORDER_REPLICATE);
