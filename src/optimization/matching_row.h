@@ -43,7 +43,6 @@ class MatchingRow {
     }
   }
 
-  /// Number of values.
   int size() const { return matches_; }
   const Value* data() const { return values_.data(); }
 

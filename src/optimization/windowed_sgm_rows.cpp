@@ -212,7 +212,6 @@ class RowPath {
     fresh_ = false;
   }
 
-  /// Columns of the tile.
   int columns() const { return columns_; }
   /// Number of lanes that a vector needs for the tile. Rotations by two must bring in lanes without
   /// a hypothesis.

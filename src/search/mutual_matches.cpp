@@ -80,7 +80,6 @@ void computeDistances(const CensusRows& rows) {
   }
 }
 
-/// Adds three lines.
 void addLines(const std::uint8_t* above, const std::uint8_t* middle, const std::uint8_t* below,
               std::ptrdiff_t count, std::uint8_t* sums) {
   const Bytes tag;
