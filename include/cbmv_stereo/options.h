@@ -26,8 +26,8 @@ struct SearchOptions {
   /// How often the pair is halved. The exhaustive search runs at 1 / 2^levels of the image size.
   /// 0: at full size.
   int levels = 3;
-  int neighborhood_px = 1;  ///< coarse disparities are used up to this distance, coarse px
-  int margin_px = 1;        ///< and searched up to this far from twice their value, px
+  int neighborhood_px = 1;  ///< distance of the coarse pixels whose disparities are used
+  int margin_px = 1;        ///< disparities are searched up to this far from twice a coarse one
 };
 
 /// Cross-based cost aggregation (CBCA), before and after SGM. Defaults: the authors' Middlebury
@@ -47,11 +47,11 @@ struct SurfaceOptions {
 
 /// Semi-global matching (SGM). Costs are in [0, 1]. Penalties have the same unit.
 struct SgmOptions {
-  float p1 = 1.3F;               ///< pi1: penalty of a disparity change of 1 px
-  float p2 = 10.0F;              ///< pi2: penalty of a larger disparity change
-  float q1 = 2.2F;               ///< divides both penalties where one of the images has an edge
-  float q2 = 3.0F;               ///< divides them once more where both images have an edge
-  float alpha1 = 1.4F;           ///< divides P1 on the vertical paths
+  float p1 = 1.3F;      ///< pi1: penalty of a disparity change of 1 px
+  float p2 = 10.0F;     ///< pi2: penalty of a larger disparity change
+  float q1 = 2.2F;      ///< divides both penalties where one of the images has an edge
+  float q2 = 3.0F;      ///< divides both penalties once more where both images have an edge
+  float alpha1 = 1.4F;  ///< divides P1 on the vertical paths
   float edge_threshold = 0.12F;  ///< tau_so, in standard deviations of the intensities
   int iterations = 2;            ///< sgm_i; 0 disables SGM
 };
