@@ -13,7 +13,7 @@
 #include "forest/forest_evaluator.h"
 #include "matching/matcher_set.h"
 #include "matching/padded_image.h"
-#include "optimization/grey_deviation.h"
+#include "optimization/prepared_image.h"
 #include "optimization/semi_global_matching.h"
 #include "optimization/support_arms.h"
 #include "optimization/surface_prior.h"

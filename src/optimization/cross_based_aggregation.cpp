@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/per_thread.h"
+#include "base/round_up.h"
 #include "optimization/aggregation_rows.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -243,8 +244,6 @@ struct Tile {
   cv::Range columns;
   cv::Range disparities;  // indices
 };
-
-int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// The arms of the other image, one plane per channel. The order makes the arms at the matching
 /// columns of a pixel's hypotheses contiguous: mirrored for the left view, where the matching

@@ -24,12 +24,15 @@ void markSteps(const std::uint8_t* pixels, std::ptrdiff_t distance, int count, i
 
 }  // namespace
 
+int lowestStep(float threshold_grey) {
+  return static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+}
+
 void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges) {
   const cv::Size size(grey.cols + 1, grey.rows + 1);
   edges.horizontal.create(size, CV_8UC1);
   edges.vertical.create(size, CV_8UC1);
-  // An integer reaches the threshold exactly if it reaches the threshold rounded up.
-  const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+  const int lowest_step = lowestStep(threshold_grey);
   const auto stride = static_cast<std::ptrdiff_t>(grey.step1());
   tbb::parallel_for(0, size.height, [&](int y) {
     auto* horizontal = edges.horizontal.ptr<std::uint8_t>(y);

@@ -21,6 +21,9 @@ struct EdgeMaps {
   cv::Mat vertical;
 };
 
+/// The lowest whole step that reaches the threshold; 256, which no step reaches, above all of them.
+int lowestStep(float threshold_grey);
+
 /// Finds the edges of `grey` (CV_8UC1). Reuses the memory of `edges`. Parallel over rows by oneTBB.
 void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges);
 

@@ -1,9 +1,16 @@
 #include "optimization/prepared_image.h"
 
-#include "optimization/grey_deviation.h"
 #include "optimization/support_arms.h"
 
 namespace cbmv {
+
+float greyDeviation(const cv::Mat& grey) {
+  CV_Assert(grey.type() == CV_8UC1 && !grey.empty());
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(grey, mean, deviation);
+  return static_cast<float>(deviation[0]);
+}
 
 void PreparedImage::prepare(const cv::Mat& image, const AggregationOptions& options) {
   gray = image;

@@ -50,15 +50,6 @@ struct PathStep {
   const std::int16_t* previous_surface;
 };
 
-/// Rise of the surface between two pixels. If the difference is more than one disparity, the pixels
-/// probably belong to different surfaces, and the rise is 0.
-inline std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
-  const int rise = next - previous;
-  return previous != kNoSurface && next != kNoSurface && std::abs(rise) <= 1
-             ? static_cast<std::int8_t>(rise)
-             : std::int8_t{0};
-}
-
 /// Penalties for all hypotheses of the pixels of a row or a part of it.
 class PenaltyRow {
  public:

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -10,6 +11,15 @@ namespace cbmv {
 
 /// Value of a surface map where no surface is known.
 constexpr std::int16_t kNoSurface = -32768;
+
+/// Rise of the surface between two pixels. If the difference is more than one disparity, the pixels
+/// probably belong to different surfaces, and the rise is 0.
+inline std::int8_t surfaceRise(std::int16_t previous, std::int16_t next) {
+  const int rise = next - previous;
+  return previous != kNoSurface && next != kNoSurface && std::abs(rise) <= 1
+             ? static_cast<std::int8_t>(rise)
+             : std::int8_t{0};
+}
 
 /// Finds the slanted surfaces of a scene in a disparity map of half its size (surface orientation
 /// priors, Scharstein, Taniai and Sinha 2017). SGM can follow these surfaces. Without them, it

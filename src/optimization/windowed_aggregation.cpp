@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/per_thread.h"
+#include "base/round_up.h"
 #include "optimization/windowed_aggregation_rows.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -449,8 +450,6 @@ void averageRow(const BlockRowToAverage<std::uint64_t>& row) {
 bool fit16Bits(int longest_arm_px, int max_cost) {
   return longest_arm_px <= 7 && (longest_arm_px + 1) * max_cost <= 0xffff;
 }
-
-int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// Arms of a row of an image, for columns inside and outside. Outside, arms are 0, so the region of
 /// a hypothesis whose match is there is the pixel itself, and its cost is copied.

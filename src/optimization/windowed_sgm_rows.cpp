@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 
+#include "base/round_up.h"
+#include "matching/row_entries.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/windowed_sgm_rows.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -48,8 +51,6 @@ namespace {
 
 using Tag = LineTag<std::uint16_t>;
 using V = hn::Vec<Tag>;
-
-int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// Stores `count` values, rounded up to whole vectors, at least one vector.
 HWY_INLINE void fillVectors(std::uint16_t value, int count, std::uint16_t* out) {
@@ -572,23 +573,13 @@ void runRows(const RowJob<std::uint16_t>& job, RowPaths::Memory& memory) {
 constexpr int kSpill = 7;
 
 /// Largest number of lanes of a tile. Gaps are not wider than the missing disparities.
-int mostLanes(int disparities) { return (disparities + kMostLanes - 1) / kMostLanes * kMostLanes; }
-
-/// Largest number of hypotheses in a row of tiles.
-std::size_t mostEntries(const SearchSpace& space) {
-  std::size_t most = 0;
-  for (int y = 0; y < space.height(); ++y) {
-    const SearchSpace::Tile last = space.tile(y, space.tiles() - 1);
-    most = std::max(most, last.first_entry + last.count - space.tile(y, 0).first_entry);
-  }
-  return most;
-}
+int mostLanes(int disparities) { return roundUp(disparities, kMostLanes); }
 
 }  // namespace
 
 void LaneRow::resize(const SearchSpace& space) {
   const auto tile_count = static_cast<std::size_t>(space.tiles());
-  const std::size_t entries = mostEntries(space);
+  const std::size_t entries = mostEntriesOfRow(space);
   // Every hypothesis may have two free lanes beside it. strideOf rounds up twice.
   const std::size_t lanes = std::min(tile_count * mostLanes(space.range().count + kSpill),
                                      3 * entries + tile_count * (kSpill + kMostLanes - 1));

@@ -1,7 +1,6 @@
 #include "optimization/windowed_sgm_steps.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 #include <tbb/parallel_for.h>
@@ -43,22 +42,15 @@ void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::
 /// Sets -1 where the gray levels differ by at least `threshold_grey`.
 void findEdges(const cv::Mat& grey, float threshold_grey, int y, const Neighbour& neighbour,
                const cv::Range& columns, std::int8_t* out) {
-  // An integer reaches the threshold exactly if it reaches the threshold rounded up.
-  const int lowest_step = static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+  const int lowest_step = lowestStep(threshold_grey);
   findRow<std::uint8_t>(grey, y, neighbour, columns, out, [=](int previous, int next) {
     return static_cast<std::int8_t>(std::abs(next - previous) >= lowest_step ? -1 : 0);
   });
 }
 
-/// If the surface changes by more than one disparity, the pixels probably belong to different
-/// surfaces, and the rise is 0.
 void findRises(const cv::Mat& surface, int y, const Neighbour& neighbour, const cv::Range& columns,
                std::int8_t* out) {
-  findRow<std::int16_t>(surface, y, neighbour, columns, out, [](int previous, int next) {
-    const int rise = next - previous;
-    const bool known = previous != kNoSurface && next != kNoSurface && std::abs(rise) <= 1;
-    return static_cast<std::int8_t>(known ? rise : 0);
-  });
+  findRow<std::int16_t>(surface, y, neighbour, columns, out, surfaceRise);
 }
 
 }  // namespace

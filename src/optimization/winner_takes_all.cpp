@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 /// Loads `count` costs. The other lanes get the largest number.
-HWY_INLINE hn::Vec<LineTag<std::uint16_t>> loadFirst(const std::uint16_t* costs, int count) {
+HWY_INLINE hn::Vec<LineTag<std::uint16_t>> loadCosts(const std::uint16_t* costs, int count) {
   const LineTag<std::uint16_t> tag;
   const auto values = hn::LoadU(tag, costs);
   return count >= static_cast<int>(hn::Lanes(tag))
@@ -37,7 +37,7 @@ HWY_INLINE hn::Vec<LineTag<std::uint16_t>> findLowest(const std::uint16_t* costs
   const auto lanes = static_cast<int>(hn::Lanes(tag));
   auto lowest = hn::Set(tag, 0xffff);
   for (int i = 0; i < count; i += lanes) {
-    lowest = hn::Min(lowest, loadFirst(costs + i, count - i));
+    lowest = hn::Min(lowest, loadCosts(costs + i, count - i));
   }
   return hn::MinOfLanes(tag, lowest);
 }
@@ -62,7 +62,7 @@ void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t
   const LineTag<std::uint16_t> tag;
   const auto lanes = static_cast<int>(hn::Lanes(tag));
   for (int h = 0; h < count; h += lanes) {
-    const auto cost = loadFirst(costs + h, count - h);
+    const auto cost = loadCosts(costs + h, count - h);
     const auto before = hn::LoadU(tag, lowest + h);
     const auto after = hn::Min(before, cost);
     const auto hypotheses = countFrom(tag, static_cast<std::uint16_t>(first + h));

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/per_thread.h"
+#include "base/round_up.h"
 #include "matching/census_transform.h"
 #include "matching/cost_row.h"
 #include "matching/padded_image.h"
@@ -195,8 +196,6 @@ HWY_EXPORT(findWinners);
 const cv::Size kWindow(9, 7);
 constexpr int kVector = 64;  // bytes; size of the widest vector
 constexpr int kRowsPerTask = 24;
-
-int roundUp(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
 /// Scans rows. One per thread.
 class RowScanner {

@@ -1,4 +1,4 @@
-#include "optimization/grey_deviation.h"
+#include "optimization/prepared_image.h"
 
 #include <cmath>
 
