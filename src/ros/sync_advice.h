@@ -8,7 +8,7 @@ namespace cbmv {
 
 /// Relation between the stamps of two topics whose messages arrive without forming pairs.
 struct StampRelation {
-  std::string first;  ///< topic
+  std::string first;  ///< topic name
   std::string second;
   double distance_s = 0;  ///< median distance of a stamp of the second to the nearest of the first
   double period_s = 0;    ///< between messages of the first
