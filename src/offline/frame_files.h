@@ -13,7 +13,7 @@ namespace cbmv {
 /// line per frame. The parts of Segments then contain only these lines.
 class FrameFiles {
  public:
-  /// Makes the folder DIR. Throws Error that names it if it cannot be made.
+  /// Creates the folder DIR. Throws Error with its path on failure.
   FrameFiles(const std::string& folder, const FrameOutputs& outputs, DisparityFormat format);
 
   /// Path of the index, which is written after all frames.
