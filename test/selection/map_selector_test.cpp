@@ -24,7 +24,7 @@ struct Maps {
   cv::Mat sigma;
 };
 
-/// What is chosen for a pixel: a proposal, in units of the planes, and how probable it is.
+/// The choice for a pixel: a proposal, in units of the planes, and its probability.
 struct Choice {
   int source = 0;
   int disparity = 0;
@@ -80,8 +80,8 @@ class NaiveSelector {
         forest_.confidence->roughnessBin(static_cast<std::uint8_t>(roughness)), byte);
   }
 
-  /// The most probable proposal, the first of several; the pixel's own as the confidence forest
-  /// judges it where there is no other.
+  /// The most probable proposal, the first of several. Without proposals, the pixel's own disparity
+  /// with the confidence of the confidence forest.
   std::optional<Choice> choose(int y, int x, bool has_disparity) const {
     const auto proposals = naiveProposals(planes_.disparity, confidence_, y, x);
     std::optional<Choice> best;
@@ -119,7 +119,7 @@ std::shared_ptr<const Forest> makeSelecting() {
   return forest;
 }
 
-/// As the matcher calls it: the maps that change are those that are judged.
+/// Called as in the matcher: the input maps are modified.
 Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
   RandomMaps copy = maps;
   Maps selected{maps.disparity.clone(), maps.probability.clone(), cv::Mat()};
@@ -186,7 +186,7 @@ TEST(MapSelector, DependsOnThePairOnly) {
   }
 }
 
-/// Equal scores of all proposals change nothing but by the median.
+/// With equal scores of all proposals, only the median changes the maps.
 TEST(MapSelector, KeepsThePixelsOwnOnTies) {
   auto forest = std::make_shared<Forest>(*makeSelecting());
   ConfidenceForest undecided = *forest->selection;
