@@ -23,7 +23,7 @@ struct ConfidenceProfile {
     double bad_3 = 0.0;       ///< pixels with |d − truth| > 3 px
   };
   std::vector<Bin> bins;       ///< kConfidenceBins by increasing confidence; empty: unknown
-  double pixels = 0.0;         ///< counted pixels; those without a disparity are in no bin
+  double pixels = 0.0;         ///< all counted pixels; those without a disparity are in no bin
   double squared_error = 0.0;  ///< sum of (confidence − correct)², correct = 0 or 1
 };
 

@@ -26,7 +26,7 @@ struct CameraTopics {
   std::string output_namespace;  ///< without trailing slash
   /// Calibration from files instead of camera_info; left_info and right_info are then file names.
   std::optional<StereoCameras> cameras;
-  std::string rectification;  ///< sentence for the user: who rectifies the images, and why
+  std::string rectification;  ///< message: who rectifies the images, and why
 };
 
 /// Whether the images in the bags are rectified.

@@ -29,7 +29,7 @@ struct TuningRequest {
   bool cross_validate = false;  ///< three more searches; Middlebury v3 only
 };
 
-/// What a tuning tells while it runs; both must be set.
+/// Callbacks of tune; both must be set.
 struct TuningEvents {
   std::function<void(const std::string&)> progress;  ///< a progress message
   std::function<void(const TuningReport&)>
