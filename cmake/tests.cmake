@@ -39,9 +39,10 @@ if(sanitizers STREQUAL "thread")
   add_test(NAME race_probe_test COMMAND race_probe_test)
   set_tests_properties(race_probe_test PROPERTIES WILL_FAIL TRUE)
 endif()
-# Error messages of the Python scripts for invalid arguments, and the include order of the folders.
+# Error messages of the Python scripts; include order of the folders; dependencies that rosdep can install.
 add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
 add_test(NAME layers_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/layers_test.py)
+add_test(NAME package_keys_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/package_keys_test.py)
 
 include(cmake/library_tests.cmake)
 

@@ -1,6 +1,6 @@
 # Functions for scripts that process a real stereo pair with nodes: fetch the pair, run a private ROS master,
 # start processes and stop them by their process id. Source this file in the root of the repository.
-export PATH=/usr/bin:/bin:$PATH
+. scripts/environment.sh
 
 # If a Debian package is not installed, unpacks it into a folder without installing it. Prints the folder
 # with its /usr.

@@ -72,7 +72,7 @@ HWY_INLINE ByteVector findLeaf(const PackedTree& tree, const std::int8_t* codes)
 
 /// Leaf among the 2^kLevels from `leaves` on: sub-tables of 16 leaves, selected level by level.
 template <int kLevels>
-HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, const std::int8_t* codes,
+HWY_INLINE ByteVector selectLeaf(const PackedTree& tree, [[maybe_unused]] const std::int8_t* codes,
                                  ByteVector low_bits, const std::uint8_t* leaves) {
   if constexpr (kLevels == 4) {
     return hn::TableLookupBytes(hn::LoadDup128(Bytes(), leaves), low_bits);

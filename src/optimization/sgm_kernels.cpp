@@ -26,7 +26,8 @@ enum class Accumulation { kSet, kAdd, kAddAndAverage };
 
 /// Of the first `count` lanes; no sum behind them is read.
 template <Accumulation accumulation>
-HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, const std::uint16_t* sums, int count) {
+HWY_INLINE hn::Vec<SumTag> accumulate(PathVector costs, [[maybe_unused]] const std::uint16_t* sums,
+                                      [[maybe_unused]] int count) {
   const SumTag tag;
   const auto unsigned_costs = hn::BitCast(tag, costs);
   if constexpr (accumulation == Accumulation::kSet) {

@@ -25,7 +25,7 @@ HWY_INLINE V lowestOfLanes(D tag, V values) {
 
 /// 128-bit blocks moved to the next higher or lower place, all around.
 template <class D, class V>
-HWY_INLINE V blocksUp(D tag, V values) {
+HWY_INLINE V blocksUp([[maybe_unused]] D tag, V values) {
   if constexpr (hn::MaxLanes(D()) == 32) {
     const hn::Repartition<std::uint64_t, D> tag64;
     alignas(64) constexpr std::int64_t kSources[8] = {6, 7, 0, 1, 2, 3, 4, 5};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -126,7 +127,7 @@ class DisparityEstimator::Impl {
     halveImage(left_.gray, coarse_->left);
     halveImage(right_.gray, coarse_->right);
     halveVolume(volume, options_.range, coarse_->volume);
-    coarse_->estimator.estimate(coarse_->left, coarse_->right, options, coarse_->volume,
+    coarse_->estimator.estimate(coarse_->left, coarse_->right, options, std::move(coarse_->volume),
                                 coarse_->result);
     coarse_->prior.estimate(coarse_->result.disparity, options.range.invalid(),
                             options.surface.reach_px, size, left_.surface);
@@ -189,7 +190,7 @@ DisparityEstimator::DisparityEstimator() : impl_(std::make_unique<Impl>()) {}
 DisparityEstimator::~DisparityEstimator() = default;
 
 void DisparityEstimator::estimate(const cv::Mat& left, const cv::Mat& right,
-                                  const StereoOptions& options, MatchingVolume& volume,
+                                  const StereoOptions& options, MatchingVolume&& volume,
                                   StereoResult& result) {
   impl_->estimate(left, right, options, volume, result);
 }

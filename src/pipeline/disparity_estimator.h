@@ -26,13 +26,13 @@ class DisparityEstimator {
   DisparityEstimator& operator=(const DisparityEstimator&) = delete;
 
   /// `left` and `right` are the aligned pair, CV_8UC1; `volume` is its matching volume over
-  /// options.range, as VolumeBuilder makes it, and becomes the right view's if that one is
-  /// optimized for the left-right check. Sets all maps and the range of `result`, whose memory is
-  /// reused where the size fits, and adds to its times, of all stages but the rectification.
-  /// Options must be consistent (correctOptions). Parallel by oneTBB; the result does not depend on
-  /// earlier frames nor on the number of threads.
+  /// options.range, as VolumeBuilder makes it. It is used up: it becomes the right view's, if that
+  /// one is optimized for the left-right check, and keeps its memory. Sets all maps and the range
+  /// of `result`, whose memory is reused where the size fits, and adds to its times, of all stages
+  /// but the rectification. Options must be consistent (correctOptions). Parallel by oneTBB; the
+  /// result does not depend on earlier frames nor on the number of threads.
   void estimate(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options,
-                MatchingVolume& volume, StereoResult& result);
+                MatchingVolume&& volume, StereoResult& result);
 
  private:
   class Impl;

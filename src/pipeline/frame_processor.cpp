@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "pipeline/machine_memory.h"
 #include "base/thread_limit.h"
+#include "pipeline/machine_memory.h"
 
 namespace cbmv {
 namespace {

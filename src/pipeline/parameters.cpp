@@ -215,8 +215,8 @@ void addRefinementParameters(ParameterTable& table) {
   table.add(
       "replace_improbable", "", 0, 1,
       [](Options& o) -> bool& { return o.refinement.replace_improbable; },
-      "Replace disparities that fail the left-right check and have a low confidence by those of "
-      "confident neighbors; needs second_forest");
+      "Replace improbable disparities by those of confident neighbors, where the second forest "
+      "finds these more probable; needs second_forest");
   table.add(
       "speckle_size", "px", 0, 1000,
       [](Options& o) -> int& { return o.refinement.speckle_size_px; },

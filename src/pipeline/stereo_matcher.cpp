@@ -124,7 +124,7 @@ class StereoMatcher::Impl {
       const Stopwatch watch(result.times.volume_ms);
       builder_.build(left, aligned, options.range, *forest_, evaluator_, volume_);
     }
-    estimator_.estimate(left, aligned, options, volume_, result);
+    estimator_.estimate(left, aligned, options, std::move(volume_), result);
     result.memory_mb = requiredMemoryMb(left.size(), options);
   }
 

@@ -76,7 +76,8 @@ std::string numberText(double value) {
 }
 
 template <typename Value>
-void requireRange(const std::string& name, Value value, const PrivateParameter& parameter) {
+void requireRange([[maybe_unused]] const std::string& name, [[maybe_unused]] Value value,
+                  [[maybe_unused]] const PrivateParameter& parameter) {
   if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
     if (!(value >= parameter.lowest && value <= parameter.highest)) {
       throw Error(name + " is " + numberText(value) + ", expected " +

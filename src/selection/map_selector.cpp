@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "refinement/median_filter.h"
+#include "selection/thin_pixels.h"
 
 namespace cbmv {
 namespace {
@@ -120,16 +121,16 @@ bool MapSelector::canChange(int y, int x, const SelectionFeatures::Proposals& pr
   return is_any_new;
 }
 
-/// May the disparity of a pixel be replaced? Not where both views agree: a thin object has few
-/// pixels to support it, too.
+/// May the disparity of a pixel be replaced?
 bool MapSelector::isImprobable(int y, int x, bool fill) const {
+  return confidence_.confidence().at<std::uint8_t>(y, x) < ConfidentNeighbors::kConfident &&
+         (fill || hasDisparity(confidence_.planes().disparity.at<std::int16_t>(y, x)));
+}
+
+/// A thin object has few pixels to support it, so its background looks more probable.
+bool MapSelector::isThinObject(int y, int x) const {
   const MapPlanes& planes = confidence_.planes();
-  if (confidence_.confidence().at<std::uint8_t>(y, x) >= ConfidentNeighbors::kConfident) {
-    return false;
-  }
-  return hasDisparity(planes.disparity.at<std::int16_t>(y, x))
-             ? planes.unmatched.at<std::uint8_t>(y, x) != 0
-             : fill;
+  return planes.unmatched.at<std::uint8_t>(y, x) == 0 && isThin(planes.disparity, y, x);
 }
 
 /// Of the `count` pixels from `x` on.
@@ -159,19 +160,31 @@ void MapSelector::chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row
   row.blocks = 0;
 }
 
-void MapSelector::choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const {
+/// The first of the most probable proposals, of those at `least` or more; −1 if there is none.
+int MapSelector::mostProbable(const Row& row, int block, int i, int least) const {
   const SelectionFeatures::Proposals& proposals = row.proposals[block];
   const auto score = [&](int p) { return row.scores[SelectionFeatures::query(p, block, i)]; };
   const bool has_own = hasDisparity(proposals[0][i]);
   int best = has_own ? 0 : -1;
   for (int p = 1; p < kSources; ++p) {
-    if (SelectionFeatures::isNew(proposals, p, i, has_own) &&
+    if (proposals[p][i] >= least && SelectionFeatures::isNew(proposals, p, i, has_own) &&
         (best < 0 || score(p) > score(best))) {
       best = p;
     }
   }
+  return best;
+}
+
+void MapSelector::choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const {
+  const SelectionFeatures::Proposals& proposals = row.proposals[block];
   const int x = row.first_pixels[block] + i;
-  const std::uint8_t byte = evaluator_->probabilityByte(score(best));
+  const int own = proposals[0][i];
+  int best = mostProbable(row, block, i, INT16_MIN);
+  if (hasDisparity(own) && proposals[best][i] < own && isThinObject(y, x)) {
+    best = mostProbable(row, block, i, own);
+  }
+  const std::uint8_t byte =
+      evaluator_->probabilityByte(row.scores[SelectionFeatures::query(best, block, i)]);
   maps.confidence.at<float>(y, x) = static_cast<float>(byte) / kBytes;
   if (best != 0) {
     maps.disparity.at<float>(y, x) =

@@ -30,11 +30,12 @@ struct SelectionSwitches {
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
 ///
-/// The confidence forest judges each pixel. Where the left-right check failed and it gives less
-/// than ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right,
-/// above and below propose their disparities. Where one is more than 1 px from the pixel's own, the
+/// The confidence forest judges each pixel. Where it gives less than
+/// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
+/// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
 /// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and
-/// its probability becomes the confidence. A median of 3 × 3 px removes what stands alone then.
+/// its probability becomes the confidence. Pixels of thin objects (isThin) that passed the
+/// left-right check take none that is farther. A median of 3 × 3 px removes what stands alone then.
 ///
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
 class MapSelector {
@@ -65,8 +66,10 @@ class MapSelector {
   bool canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
                  int i) const;
   void chooseInBlocks(int y, bool fill, const SelectedMaps& maps, Row& row) const;
+  int mostProbable(const Row& row, int block, int i, int least) const;
   void choose(int y, const Row& row, int block, int i, const SelectedMaps& maps) const;
   bool isImprobable(int y, int x, bool fill) const;
+  bool isThinObject(int y, int x) const;
   bool isAnyImprobable(int y, int x, int count, bool fill) const;
   /// `units` are of the disparity plane.
   bool hasDisparity(int units) const { return units != confidence_.planes().no_disparity; }

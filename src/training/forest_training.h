@@ -24,8 +24,8 @@ enum class ForestKind {
 /// The second forest: see second_forest.h.
 struct SecondForestOptions {
   bool enabled = true;            ///< of oblivious forests only
-  int groups = 3;                 ///< of the cross-fitting
-  long pixels_per_scene = 20000;  ///< at most, for each preset and each of both forests
+  int groups = 2;                 ///< of the cross-fitting
+  long pixels_per_scene = 40000;  ///< at most, for each preset and each of both forests
   BoostingOptions confidence{64, 6, 0.15};
   /// Regularized more: proposals of one scene are much alike, and what is learnt of them has to
   /// hold in other scenes.

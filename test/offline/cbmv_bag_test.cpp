@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <random>
+#include <sstream>
+#include <string>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -25,6 +27,18 @@ namespace {
 namespace fs = std::filesystem;
 using test::expectRefusal;
 using test::Outcome;
+
+/// The lines of an output that a program begins with its name.
+std::string linesOf(const std::string& program, const std::string& output) {
+  std::istringstream lines(output);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(program + ": ", 0) == 0) {
+      kept += line + "\n";
+    }
+  }
+  return kept;
+}
 
 class CbmvBagTest : public testing::Test {
  protected:
@@ -253,7 +267,8 @@ TEST_F(CbmvBagTest, StatusSaysThatTheInputIsDamaged) {
 /// A file size limit acts like a full disk, but the system gives no notice.
 TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 6);
-  const Outcome outcome = run("out.bag", "--frames-per-part 1000", "ulimit -f 60;");
+  Outcome outcome = run("out.bag", "--frames-per-part 1000", "ulimit -f 60;");
+  outcome.output = linesOf("cbmv_bag", outcome.output);  // on Debian 13, class_loader adds others
   expectRefusal(outcome, {"cannot write", "out.bag.part", "File too large"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
   EXPECT_EQ(run("out.bag", "--resume").status, 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -45,7 +46,7 @@ TEST(DisparityEstimator, GivesWhatTheMatcherGivesWhateverCameBefore) {
       options.refinement.left_right_check = check;
       MatchingVolume volume = buildVolume(left, right, shape.range, *forest);
       StereoResult result;
-      estimator.estimate(left, right, options, volume, result);
+      estimator.estimate(left, right, options, std::move(volume), result);
       const StereoResult expected = StereoMatcher(forest, options).match(left, right);
       EXPECT_TRUE(equal(result.disparity, expected.disparity)) << shape;
       EXPECT_TRUE(equal(result.right_disparity, expected.right_disparity)) << shape;
@@ -70,7 +71,7 @@ TEST(DisparityEstimator, LeavesTheRightViewsVolume) {
     options.refinement.optimize_right_view = optimize_right_view;
     MatchingVolume volume = original;
     StereoResult result;
-    DisparityEstimator().estimate(left, right, options, volume, result);
+    DisparityEstimator().estimate(left, right, options, std::move(volume), result);
     return volume;
   };
   MatchingVolume shifted = original;

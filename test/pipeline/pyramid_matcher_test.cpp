@@ -38,7 +38,7 @@ TEST(WindowedEstimator, AnExhaustiveSpaceGivesTheDenseResult) {
     MatchingVolume dense;
     VolumeBuilder().build(scene.left, scene.right, options.range, kForest, evaluator, dense);
     StereoResult expected;
-    DisparityEstimator().estimate(scene.left, scene.right, options, dense, expected);
+    DisparityEstimator().estimate(scene.left, scene.right, options, std::move(dense), expected);
     SearchSpace space;
     space.buildExhaustive(scene.left.rows, scene.left.cols, options.range);
     WindowedMatchingVolume volume;

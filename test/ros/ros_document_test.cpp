@@ -1,4 +1,5 @@
-// Compares docs/ros.md with the code, and checks that the tests it names exist.
+// Compares docs/ros.md and docs/stereo_image_proc.md with the code, and checks that the tests they
+// name exist.
 
 #include <algorithm>
 #include <filesystem>
@@ -26,12 +27,12 @@ std::string readFile(const fs::path& path) {
   return text.str();
 }
 
-/// The part of docs/ros.md below a heading, up to the next one.
-std::string section(const std::string& heading) {
-  const std::string document = readFile(CBMV_SOURCE_DIR "/docs/ros.md");
+/// The part of a page below a heading, up to the next one.
+std::string section(const std::string& heading, const std::string& page = "ros.md") {
+  const std::string document = readFile(std::string(CBMV_SOURCE_DIR "/docs/") + page);
   const std::size_t start = document.find("\n## " + heading + "\n");
   if (start == std::string::npos) {
-    ADD_FAILURE() << "docs/ros.md has no heading " << heading;
+    ADD_FAILURE() << "docs/" << page << " has no heading " << heading;
     return {};
   }
   const std::size_t end = document.find("\n## ", start + 1);
@@ -259,7 +260,8 @@ std::vector<std::string> testsNamedIn(const std::string& text) {
 
 TEST(RosDocument, NamesTestsThatThereAre) {
   const std::set<std::string> tests = allTests();
-  const auto named = testsNamedIn(readFile(CBMV_SOURCE_DIR "/docs/ros.md"));
+  const auto named = testsNamedIn(readFile(CBMV_SOURCE_DIR "/docs/ros.md") +
+                                  readFile(CBMV_SOURCE_DIR "/docs/stereo_image_proc.md"));
   EXPECT_GT(named.size(), 30U);
   for (const std::string& name : named) {
     EXPECT_EQ(tests.count(name), 1U) << name << " is no test";
@@ -269,7 +271,7 @@ TEST(RosDocument, NamesTestsThatThereAre) {
 TEST(RosDocument, NamesATestForEveryComparison) {
   for (const char* heading :
        {"The same as stereo_image_proc", "Where stereo_image_proc is wrong"}) {
-    std::istringstream lines(section(heading));
+    std::istringstream lines(section(heading, "stereo_image_proc.md"));
     for (std::string line; std::getline(lines, line);) {
       if (line.rfind("| ", 0) == 0 && line.find("| proved by |") == std::string::npos) {
         const std::size_t last_cell = line.rfind("| ", line.size() - 2);

@@ -45,6 +45,15 @@ class Run(ScriptTest):
         self.refuses("run", says="cbmv_match")
 
 
+class TestOn(ScriptTest):
+    def test_wrong_arguments(self):
+        self.refuses("test_on", says="expected bullseye, bookworm or trixie")
+        self.refuses("test_on", "focal", says="the release is 'focal'")
+        self.refuses("test_on", "trixie", "--compiler", says="--compiler has no value")
+        self.refuses("test_on", "trixie", "--only", "build", says="--only is build; expected demo or test")
+        self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none; expected a folder")
+
+
 class Soak(ScriptTest):
     def test_wrong_arguments(self):
         self.refuses("soak", "--size", "640", says="--size is 640; WIDTHxHEIGHT")
@@ -52,6 +61,29 @@ class Soak(ScriptTest):
 
     def test_missing_program(self):
         self.refuses("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
+
+
+class CheckLinks(ScriptTest):
+    def check(self, *arguments):
+        return subprocess.run([SCRIPTS / "check_links", *arguments], check=False, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True)
+
+    def test_the_docs_have_no_broken_link(self):
+        done = self.check()
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_broken_links_are_named(self):
+        self.make_folders("docs")
+        (self.folder / "docs" / "a.md").write_text("# A `b`: c_d\n[x](../README.md) [y](#a-b-c_d)\n")
+        (self.folder / "README.md").write_text(
+            "[a](docs/a.md#a-b-c_d) [b](docs/b.md) [c](docs/a.md#e) [d](../f.md) [e](https://g.example)\n")
+        done = self.check("--root", self.folder, "--external")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stdout, "README.md: https://g.example\n")
+        self.assertEqual(done.stderr.splitlines(), [
+            "README.md: link docs/b.md: there is no such file",
+            "README.md: link docs/a.md#e: docs/a.md has no such heading",
+            "README.md: link ../f.md: there is no such file"])
 
 
 class Generalization(ScriptTest):

@@ -10,11 +10,11 @@
 
 #include "refinement/left_right_check.h"
 #include "refinement/median_filter.h"
+#include "selection/thin_pixels.h"
 #include "support/error_text.h"
 #include "support/judged_maps.h"
 #include "support/second_forest.h"
 #include "support/simd_targets.h"
-
 namespace cbmv::test {
 namespace {
 
@@ -59,11 +59,15 @@ class NaiveSelector {
     const bool has_disparity = maps_.disparity.at<float>(y, x) != invalid();
     const int own = valueAt(confidence_, y, x);
     std::optional<Choice> choice;
-    const bool is_matched = has_disparity && maps_.labels.at<std::uint8_t>(y, x) == kMatch;
-    if (is_matched || (has_disparity && own >= ConfidentNeighbors::kConfident)) {
+    if (has_disparity && own >= ConfidentNeighbors::kConfident) {
       choice = Choice{0, 0, own};
     } else if (has_disparity || fill) {
-      choice = choose(y, x, has_disparity);
+      choice = choose(y, x, has_disparity, INT16_MIN);
+      const int disparity = valueAt(planes_.disparity, y, x);
+      if (has_disparity && choice->source != 0 && choice->disparity < disparity &&
+          maps_.labels.at<std::uint8_t>(y, x) == kMatch && isThin(planes_.disparity, y, x)) {
+        choice = choose(y, x, has_disparity, disparity);
+      }
     }
     if (!choice.has_value()) {
       selected.confidence.at<float>(y, x) = 0;
@@ -80,9 +84,9 @@ class NaiveSelector {
         forest_.confidence->roughnessBin(static_cast<std::uint8_t>(roughness)), byte);
   }
 
-  /// The most probable proposal, the first of several. Without proposals, the pixel's own disparity
-  /// with the confidence of the confidence forest.
-  std::optional<Choice> choose(int y, int x, bool has_disparity) const {
+  /// The most probable proposal with a disparity of at least `least`, the first of several. Without
+  /// proposals, the pixel's own disparity with the confidence of the confidence forest.
+  std::optional<Choice> choose(int y, int x, bool has_disparity, int least) const {
     const auto proposals = naiveProposals(planes_.disparity, confidence_, y, x);
     std::optional<Choice> best;
     double best_log_odds = 0;
@@ -95,6 +99,9 @@ class NaiveSelector {
         continue;
       }
       has_new = has_new || p > 0;
+      if (disparity < least) {
+        continue;
+      }
       const double log_odds = naiveLogOdds(
           *forest_.selection,
           naiveSelectionFeatures(planes_, confidence_, maps_.right_disparity, invalid(), y, x, p));
@@ -199,6 +206,44 @@ TEST(MapSelector, KeepsThePixelsOwnOnTies) {
   cv::Mat filtered;
   medianFilter(maps.disparity, maps.range, 3, padded, filtered);
   EXPECT_EQ(cv::countNonZero(select(selector, maps, false).disparity != filtered), 0);
+}
+
+/// Knows only confident and improbable pixels, and finds every other proposal more probable.
+std::shared_ptr<const Forest> makeReplacing() {
+  auto forest = std::make_shared<Forest>(*makeSelecting());
+  ConfidenceForest confidence = *forest->confidence;
+  confidence.leaf_unit = 1.0 / 32;
+  confidence.trees.resize(1);
+  confidence.trees[0] = {{{0, 128}}, {-100, 100}};  // probability
+  forest->confidence = std::make_shared<ConfidenceForest>(confidence);
+  ConfidenceForest selection = *forest->selection;
+  selection.trees.resize(1);
+  selection.trees[0] = {{{4, 30}}, {-100, 100}};  // source
+  forest->selection = std::make_shared<ConfidenceForest>(selection);
+  return forest;
+}
+
+/// Pixels of a pole of 3 px at 30 px that have another disparity then, before a background at 10
+/// px.
+int replacedPolePixels(Label label, float pole_px) {
+  const cv::Size size(60, 40);
+  const cv::Rect pole(30, 0, 3, size.height);
+  RandomMaps maps{
+      cv::Mat(size, CV_32FC1, cv::Scalar(10)),    cv::Mat(),
+      cv::Mat(size, CV_8UC1, cv::Scalar(kMatch)), cv::Mat(size, CV_32FC1, cv::Scalar(1)),
+      cv::Mat(size, CV_16UC1, cv::Scalar(100)),   {0, 40}};
+  maps.disparity(pole).setTo(pole_px);
+  maps.probability(pole).setTo(0);
+  maps.labels(pole).setTo(label);
+  MapSelector selector(makeReplacing());
+  const Maps found = select(selector, maps, false);
+  return cv::countNonZero(found.disparity(pole) != pole_px);
+}
+
+TEST(MapSelector, KeepsThinObjectsOnWhichBothViewsAgree) {
+  EXPECT_EQ(replacedPolePixels(kMatch, 30), 0);
+  EXPECT_EQ(replacedPolePixels(kMismatch, 30), 3 * 40);
+  EXPECT_EQ(replacedPolePixels(kMatch, 5), 3 * 40);  // the proposals are nearer
 }
 
 TEST(MapSelector, FillsOnlyWhenAsked) {

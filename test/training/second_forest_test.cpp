@@ -98,7 +98,7 @@ TEST_F(SecondForest, HasBothForestsAndTheModelOfTheDeviation) {
   const auto& bounds = forest.confidence->sigma_roughness_bounds;
   EXPECT_TRUE(0 < bounds[0] && bounds[0] < bounds[1] && bounds[1] < bounds[2]);
   EXPECT_LT(forest.confidence->record.held_out_log_loss, 0.69);
-  EXPECT_THAT(lines_, Contains(HasSubstr("without group 3 of 3")));
+  EXPECT_THAT(lines_, Contains(HasSubstr("without group 2 of 2")));
   EXPECT_THAT(lines_, Contains(HasSubstr("selection forest: 8 trees")));
 }
 
