@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using test::expectRefusal;
 using test::Outcome;
 
-/// The lines of an output that a program begins with its name.
+/// The lines of an output that begin with the program's name.
 std::string linesOf(const std::string& program, const std::string& output) {
   std::istringstream lines(output);
   std::string kept;

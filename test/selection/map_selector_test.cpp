@@ -208,7 +208,8 @@ TEST(MapSelector, KeepsThePixelsOwnOnTies) {
   EXPECT_EQ(cv::countNonZero(select(selector, maps, false).disparity != filtered), 0);
 }
 
-/// Knows only confident and improbable pixels, and finds every other proposal more probable.
+/// A forest with only confident and improbable pixels, for which every other proposal is more
+/// probable.
 std::shared_ptr<const Forest> makeReplacing() {
   auto forest = std::make_shared<Forest>(*makeSelecting());
   ConfidenceForest confidence = *forest->confidence;
@@ -223,8 +224,8 @@ std::shared_ptr<const Forest> makeReplacing() {
   return forest;
 }
 
-/// Pixels of a pole of 3 px at 30 px that have another disparity then, before a background at 10
-/// px.
+/// Number of changed pixels of a pole that is 3 px wide. Its disparity is 30 px, that of the
+/// background 10 px.
 int replacedPolePixels(Label label, float pole_px) {
   const cv::Size size(60, 40);
   const cv::Rect pole(30, 0, 3, size.height);
