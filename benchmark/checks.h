@@ -9,7 +9,8 @@
 
 namespace cbmv::benchmarks {
 
-/// FNV-1a of results, to compare what was timed with what is right without keeping it.
+/// FNV-1a checksum of results. It allows comparing a timed result with the correct one without
+/// storing it.
 class Checksum {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -29,8 +30,8 @@ class Checksum {
   std::uint64_t value_ = 1469598103934665603ULL;
 };
 
-/// The instruction sets that the kernels are compiled for and that the machine has, best first,
-/// without emulated vectors.
+/// Instruction sets that are compiled in and supported by the machine, best first, without emulated
+/// vectors.
 inline std::vector<std::int64_t> realSimdTargets() {
   std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
   if (targets.size() > 1 && targets.back() == HWY_EMU128) {

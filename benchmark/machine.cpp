@@ -17,7 +17,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Twelve chains: instructions take a few cycles, and there are up to four units.
+/// Twelve chains, because instructions take a few cycles and there are up to four units.
 double compute(int rounds, std::uint8_t* result) {
   const hn::ScalableTag<std::uint8_t> tag;
   const auto step = hn::Set(tag, 3);

@@ -1,5 +1,5 @@
-// Times every stage and the whole method beside OpenCV's matchers, on the same pairs, and checks
-// the results it times. Flags: Google Benchmark's, and those of --help.
+// Measures every stage, the whole method and OpenCV's matchers on the same pairs, and checks the
+// results. Flags: those of Google Benchmark and of --help.
 
 #include <cstdio>
 #include <map>
@@ -31,7 +31,7 @@ namespace {
 
 using benchmark::Counter;
 
-/// What is needed between benchmarks; only the latest problem's data is kept.
+/// Data shared between benchmarks; holds only the data of the latest problem.
 class Context {
  public:
   StageData& stageData(const Problem& problem) {
@@ -43,8 +43,8 @@ class Context {
     return *data_;
   }
 
-  /// Whether `result` is what the result of that name was when this was asked first; `make` says
-  /// what it should have been then.
+  /// Whether `result` equals the expected checksum for `name`. `make` computes the expected value
+  /// on the first call.
   template <typename Make>
   bool isAsExpected(const std::string& name, std::uint64_t result, const Make& make) {
     const auto known = expected_.find(name);
@@ -72,13 +72,13 @@ std::uint64_t runStage(const Stage& stage, StageData& data, int threads) {
   return sum.value();
 }
 
-/// The result by two threads and on another instruction set.
+/// The result with two threads and another instruction set.
 std::uint64_t otherResult(const Stage& stage, StageData& data) {
   const test::ScopedSimdTarget scope(realSimdTargets().back());
   return runStage(stage, data, 2);
 }
 
-/// Time a unit, in nanoseconds, as a counter.
+/// Time per unit in nanoseconds, as a counter.
 Counter nanoseconds(double units) {
   return {units * 1e-9, Counter::kIsIterationInvariantRate | Counter::kInvert};
 }
@@ -122,7 +122,7 @@ void accumulate(const StageTimes& times, StageTimes& sum) {
   sum.selection_ms += times.selection_ms;
 }
 
-/// How the whole method is run.
+/// Settings of a run of the whole method.
 struct CbmvCase {
   std::string preset;
   Problem problem;
@@ -142,7 +142,7 @@ void timeCbmv(benchmark::State& state, const CbmvCase& what, Context& context) {
   const Pair pair = loadPair(what.problem);
   StageTimes times;
   const Method method = makeCbmv(optionsOf(what, what.threads), what.preset, what.problem, times);
-  const std::uint64_t result = checksum(method(pair));  // allocates, too
+  const std::uint64_t result = checksum(method(pair));  // also allocates the buffers
   const std::string name = what.preset + what.problem.name() + (what.exhaustive ? "full" : "");
   const bool is_right = context.isAsExpected(name, result, [&] {
     StageTimes unused;
@@ -254,7 +254,8 @@ void addMethods(Context& context) {
   }
 }
 
-/// Of a preset on one pair in this process, which does nothing else.
+/// Runs a preset on one pair. The process must do nothing else, so that its peak memory is that of
+/// the preset.
 void printPeakMemory(const std::string& preset, const Problem& problem) {
   const Pair pair = loadPair(problem);
   const double before = peakMemoryMib();
@@ -263,7 +264,8 @@ void printPeakMemory(const std::string& preset, const Problem& problem) {
   std::printf("{\"peak_mib\": %.0f, \"before_mib\": %.0f}\n", peakMemoryMib(), before);
 }
 
-/// Shares of the pixels of thin poles that a preset finds, by exhaustive search and as it is.
+/// Fraction of the pixels on thin poles that a preset finds, with exhaustive search and with its
+/// own search.
 void printPoles(const std::string& preset) {
   nlohmann::json rows;
   for (const auto& [far_px, near_px] : {std::pair(4, 24), std::pair(4, 48), std::pair(10, 20)}) {

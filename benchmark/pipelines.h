@@ -12,23 +12,24 @@
 
 namespace cbmv::benchmarks {
 
-/// A whole method: a pair in, a disparity map out.
+/// A complete method: takes a pair, returns a disparity map.
 using Method = std::function<cv::Mat(const Pair&)>;
 
-/// CBMV with the forest of a preset; the times of its stages are those of the last frame. The
-/// vertical offset of the pair is estimated beforehand: on a stream, that happens beside the
-/// frames.
+/// CBMV with the forest of a preset. `times` receives the stage times of the last frame. The
+/// vertical offset of the pair is estimated beforehand, because with a live stream this runs in
+/// parallel to the frames.
 Method makeCbmv(const StereoOptions& options, const std::string& preset, const Problem& problem,
                 StageTimes& times);
 
 /// OpenCV's matchers: bm, sgbm, sgbm_3way, hh.
 const std::vector<std::string>& openCvMethods();
 
-/// One of them, over the problem's disparities rounded up to a multiple of 16, as OpenCV wants
-/// them: StereoBM with its defaults, the others as evaluation/opencv_baseline.h has them.
+/// One of openCvMethods, over the problem's number of disparities rounded up to a multiple of 16,
+/// which OpenCV requires. StereoBM has its defaults; the others use the settings of
+/// evaluation/opencv_baseline.h.
 Method makeOpenCv(const std::string& name, const Problem& problem);
 
-/// Largest resident memory of this process so far, in MiB.
+/// Peak resident memory of this process, MiB.
 double peakMemoryMib();
 
 }  // namespace cbmv::benchmarks

@@ -16,7 +16,7 @@
 namespace cbmv::benchmarks {
 namespace {
 
-/// Folder of the pair at the best resolution that is there; empty if none is.
+/// Folder of the pair in the best available resolution; empty if there is none.
 std::filesystem::path motorcycleFolder() {
   const char* data = std::getenv("CBMV_DATA");
   for (const char* resolution : {"middlebury_eval3_H", "middlebury_eval3_Q"}) {

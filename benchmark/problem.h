@@ -13,7 +13,7 @@
 
 namespace cbmv::benchmarks {
 
-/// How large a pair is.
+/// Image size and number of disparities of a pair.
 struct Problem {
   int width;
   int height;
@@ -22,14 +22,14 @@ struct Problem {
   double pixels() const { return static_cast<double>(width) * height; }
   double hypotheses() const { return pixels() * disparities; }
   DisparityRange range() const { return {0, disparities}; }
-  /// As 640x480x64.
+  /// For example 640x480x64.
   std::string name() const;
 };
 
 /// From the smallest to the largest.
 const std::vector<Problem>& problems();
 
-/// The problem of that name. Throws Error if there is none.
+/// The problem with this name. Throws Error if there is none.
 Problem findProblem(const std::string& name);
 
 struct Pair {
@@ -37,20 +37,20 @@ struct Pair {
   cv::Mat right;
 };
 
-/// The pair Motorcycle of Middlebury v3 scaled to the size of the problem; a rendered one where
-/// CBMV_DATA does not name a folder that holds it.
+/// The pair Motorcycle of Middlebury v3, scaled to the size of the problem. A rendered pair if
+/// CBMV_DATA does not name a folder that contains it.
 Pair loadPair(const Problem& problem);
 
-/// Where loadPair takes its pairs from, for people.
+/// Source of the pairs of loadPair, for the output.
 std::string pairSource();
 
 /// Presets of config/, from the slowest to the fastest.
 const std::vector<std::string>& presets();
 
-/// Options of a preset over the problem's range.
+/// Options of a preset over the problem's disparity range.
 StereoOptions presetOptions(const std::string& preset, const Problem& problem, int threads);
 
-/// The shipped forest that goes with a preset (docs/performance.md).
+/// The shipped forest for a preset (docs/performance.md).
 std::shared_ptr<const Forest> presetForest(const std::string& preset);
 
 }  // namespace cbmv::benchmarks

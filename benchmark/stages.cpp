@@ -53,14 +53,14 @@ struct StageData {
   std::shared_ptr<const Forest> forest;
   ForestEvaluator evaluator;
 
-  // Of the whole images.
+  // Whole images:
   cv::Mat padded_left, padded_right;
   MatcherSet all_matchers;
   CensusMatcher census;
   NccMatcher ncc;
   ZeroMeanSadMatcher zero_mean_sad;
   SobelSadMatcher sobel_sad;
-  StereoResult coarse;  ///< of the pair at half the size
+  StereoResult coarse;  ///< result for the pair at half size
   cv::Mat matches;
   SearchSpace space, right_space;
   WindowedMatchingVolume volume, right_volume;
@@ -68,12 +68,12 @@ struct StageData {
   EdgeImages edges;
   WindowedOptimizedVolume optimized, output;
   cv::Mat winners, right_winners, labels, disparity, confidence, margin;
-  cv::Mat refined;  ///< disparities that are filled and smoothed
+  cv::Mat refined;  ///< disparities after filling and smoothing
   cv::Mat judged_confidence, sigma;
-  cv::Mat map;  ///< output of the stages that make one
+  cv::Mat map;  ///< output of stages that return a map
   VerticalOffset offset;
 
-  // Memory of the stages.
+  // Memory of the stages:
   MutualMatcher mutual;
   SearchWindows windows;
   WindowedVolumeBuilder builder;
@@ -82,15 +82,15 @@ struct StageData {
   WindowedSgm sgm;
   WindowedAggregator aggregator;
   SurfacePrior surface_prior;
-  std::unique_ptr<MapSelector> selector;  ///< null: the forest has no second one
+  std::unique_ptr<MapSelector> selector;  ///< null: the forest has no second forest
   cv::Mat padded;
 
-  // Of the row in the middle.
+  // The middle row:
   MatcherSet::Scratch scratch;
   MatcherCosts costs;
   std::array<RowTerms, kMatcherCount> terms;
   RowEntries entries;
-  CodeBlock codes;                      ///< of the last places
+  CodeBlock codes;                      ///< codes of the last places
   std::vector<std::uint8_t> row_costs;  ///< [place][column of the tile]
 };
 
@@ -127,7 +127,7 @@ void computeAllCodes(StageData& data) {
   });
 }
 
-/// On the same codes for every block: the time does not depend on them.
+/// Uses the same codes for every block, because the time does not depend on them.
 void evaluateRow(StageData& data) {
   forBlocks(data, [&](const PlaceSpan& places) {
     data.evaluator.evaluate(data.codes, places.count() * kTileColumns,
@@ -153,7 +153,7 @@ void addTerms(const StageData& data, Checksum& sum) {
 
 void addMap(const StageData& data, Checksum& sum) { sum.add(data.map); }
 
-/// Costs of the hypotheses that lie inside of both images.
+/// Adds the costs of the hypotheses inside both images.
 template <typename Cost>
 void addVolume(const SearchSpace& space, const WindowedVolume<Cost>& volume, View view,
                Checksum& sum) {
@@ -207,7 +207,7 @@ StageData::StageData(const Problem& problem)
   refine();
 }
 
-/// The search space and the volume of the full size.
+/// Computes the search space and the volume at full size.
 void StageData::match() {
   StereoOptions half = options;
   half.range = halveRange(range);
@@ -389,7 +389,7 @@ std::vector<Stage> refinementStages() {
            addMap}};
 }
 
-/// As it is without a second forest.
+/// Copies the map if there is no second forest.
 void selectMap(StageData& s) {
   s.refined.copyTo(s.map);
   s.confidence.copyTo(s.judged_confidence);

@@ -1,5 +1,5 @@
-# Toolchain file: Debian's cross compiler for 64-bit ARM. CMAKE_SYSROOT is the folder that holds the
-# libraries; programs run on this machine by QEMU. scripts/test_neon uses it.
+# Toolchain file for Debian's cross compiler for 64-bit ARM. CMAKE_SYSROOT is the folder of the ARM
+# libraries. Programs run in QEMU. scripts/test_neon uses this file.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
@@ -11,6 +11,6 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${CMAKE_SYSROOT})
-# Libraries that no header names are found in the sysroot, too.
+# Finds indirectly linked libraries in the sysroot.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT ${CMAKE_EXE_LINKER_FLAGS_INIT})

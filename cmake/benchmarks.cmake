@@ -1,6 +1,6 @@
-# The program `cbmv_benchmark` (benchmark/), and a test that it runs and that what it times is right.
+# The program `cbmv_benchmark` (benchmark/), and a test that checks the results of the timed code.
 
-# Google Benchmark before 1.6 cannot add lines to the head of its output.
+# Google Benchmark before 1.6 cannot add lines to the header of its output.
 include(CheckCXXSourceCompiles)
 set(CMAKE_REQUIRED_LIBRARIES benchmark::benchmark)
 check_cxx_source_compiles("#include <benchmark/benchmark.h>
@@ -9,7 +9,7 @@ unset(CMAKE_REQUIRED_LIBRARIES)
 
 file(GLOB benchmark_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/benchmark/*.cpp)
 add_executable(cbmv_benchmark EXCLUDE_FROM_ALL ${benchmark_sources})
-# The vector code includes itself once per instruction set, by its path below benchmark.
+# The vector code includes itself once per instruction set, with its path relative to benchmark.
 target_include_directories(cbmv_benchmark PRIVATE ${PROJECT_SOURCE_DIR}/benchmark
                            ${PROJECT_SOURCE_DIR}/test)
 target_compile_definitions(cbmv_benchmark PRIVATE CBMV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

@@ -1,4 +1,4 @@
-# What catkin has to know before any target: packages, messages, parameters, exports.
+# Settings that catkin needs before any target: packages, messages, parameters, exports.
 if(CBMV_MESSAGES_ONLY)
   find_package(catkin REQUIRED COMPONENTS message_generation std_msgs)
   add_message_files(FILES Rectification.msg Status.msg)

@@ -1,6 +1,6 @@
-# The ROS-free core: one folder a stage, in the order in which they build on each other.
-#   cbmv       shared, for applications: include/cbmv_stereo and nothing else is seen of it
-#   cbmv_core  static, for what this package builds: sees everything
+# The core without ROS: one folder per stage, in the order of their dependencies.
+#   cbmv       shared, for applications; exports only the API in include/cbmv_stereo
+#   cbmv_core  static, for the targets of this package; all headers are accessible
 set(CBMV_STAGES base input io rectification matching confidence forest volume optimization search refinement
     selection output pipeline)
 set(core_sources)
@@ -10,7 +10,7 @@ foreach(stage ${CBMV_STAGES})
 endforeach()
 
 add_library(cbmv_objects OBJECT ${core_sources})
-# The vector code includes itself once per instruction set, by its path below src.
+# The vector code includes itself once per instruction set, with its path relative to src.
 target_include_directories(cbmv_objects PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 target_include_directories(cbmv_objects SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 target_compile_definitions(cbmv_objects PRIVATE ${CBMV_HIGHWAY_OPTIONS})
@@ -29,7 +29,7 @@ target_compile_features(cbmv PUBLIC cxx_std_17)
 target_include_directories(cbmv PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(cbmv PUBLIC opencv_core PRIVATE ${OpenCV_LIBS} ${core_dependencies})
-# The standard library's templates are visible whatever the flags say: the linker hides them.
+# Compiler flags cannot hide templates of the standard library, so the linker does.
 set(version_script ${PROJECT_SOURCE_DIR}/cmake/cbmv.map)
 target_link_options(cbmv PRIVATE LINKER:--version-script=${version_script})
 set_target_properties(cbmv PROPERTIES LINK_DEPENDS ${version_script}

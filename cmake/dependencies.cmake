@@ -1,4 +1,4 @@
-# What is needed to build, part by part. package.xml has what ROS users need for core and node.
+# Build dependencies of each part. package.xml lists those of core and node for ROS users.
 include(cmake/fetch.cmake)
 
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
@@ -11,12 +11,13 @@ find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
-# AVX-512 with byte permutations has to be asked for. Highway avoids its emulated vectors, for machines
-# without any of its instruction sets, with gcc before 12.3, which gets the upper half of 16-bit
-# products wrong (gcc bug 106322); nothing here computes one, and the tests run on these vectors too.
+# HWY_WANT_AVX3_DL: AVX-512 with byte permutations is off by default.
+# HWY_BROKEN_EMU128: Highway disables its emulated vectors, for machines without a supported instruction
+# set, for gcc before 12.3, which computes the upper half of 16-bit products incorrectly (gcc bug 106322).
+# This package does not use these products, and the tests also run on emulated vectors.
 set(CBMV_HIGHWAY_OPTIONS HWY_WANT_AVX3_DL HWY_BROKEN_EMU128=0)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 11)
-  list(APPEND CBMV_HIGHWAY_OPTIONS HWY_DISABLED_TARGETS=HWY_AVX3_DL)  # it asks for avxvnni, too
+  list(APPEND CBMV_HIGHWAY_OPTIONS HWY_DISABLED_TARGETS=HWY_AVX3_DL)  # requires avxvnni
 endif()
 find_package(TBB QUIET)
 if(NOT TARGET TBB::tbb)  # Ubuntu 20.04's libtbb-dev has no CMake files
@@ -38,7 +39,7 @@ if(NOT CLI11_FOUND AND NOT CBMV_BUILD_TOOLS STREQUAL "AUTO" AND CBMV_BUILD_TOOLS
 endif()
 cbmv_decide(CBMV_WITH_TOOLS CBMV_BUILD_TOOLS "command-line programs" CLI11_FOUND libcli11-dev)
 
-# Training. Debian's CMake files for XGBoost want its program too, which is of no use here.
+# Training. Does not use Debian's CMake files for XGBoost, because they also require the XGBoost program.
 find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
 find_library(XGBOOST_LIBRARY xgboost)
 find_package(NLopt QUIET)
@@ -50,9 +51,9 @@ if(CBMV_WITH_TRAINING)
                         INTERFACE_INCLUDE_DIRECTORIES ${XGBOOST_INCLUDE_DIR})
 endif()
 
-# Tests: catkin and CTest say whether they are wanted. They run the tools and the training. GoogleTest by
-# its files: the names of CMake's own targets differ by its version, and catkin makes targets of these
-# names.
+# Tests, if enabled in catkin and CTest. They run the tools and the training. GoogleTest is found by its
+# files, because the target names of CMake differ between versions, and catkin defines targets with the
+# same names.
 find_path(CBMV_GMOCK_INCLUDE_DIR gmock/gmock.h)
 foreach(library gtest gmock gtest_main)
   find_library(CBMV_${library}_LIBRARY ${library})

@@ -1,5 +1,5 @@
 # Data sets with ground truth, scores and rendered scenes; training and tuning. Static libraries for the
-# command-line programs and tests: no node loads them.
+# command-line programs and tests. No node loads them.
 file(GLOB evaluation_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/data_sets/*.cpp
      ${PROJECT_SOURCE_DIR}/src/evaluation/*.cpp)
 add_library(cbmv_evaluation STATIC EXCLUDE_FROM_ALL ${evaluation_sources})

@@ -1,9 +1,9 @@
-# Libraries that not every platform packages, fetched where the system has none (dependencies.cmake). A site
-# without network sets FETCHCONTENT_SOURCE_DIR_HIGHWAY and FETCHCONTENT_SOURCE_DIR_CLI11 to the folders
-# of their unpacked releases. Each is fetched at most once, into the build folder, and never installed.
+# Downloads libraries that the system does not provide (see dependencies.cmake). Without network access, set
+# FETCHCONTENT_SOURCE_DIR_HIGHWAY and FETCHCONTENT_SOURCE_DIR_CLI11 to the folders of their unpacked
+# releases. Each is downloaded at most once, into the build folder, and never installed.
 include(FetchContent)
 
-# Highway: SIMD for the best instruction set of the machine, at run time.
+# Highway: SIMD that selects the best instruction set at run time.
 function(cbmv_fetch_highway)
   foreach(part CONTRIB EXAMPLES INSTALL TESTS)
     set(HWY_ENABLE_${part} OFF CACHE BOOL "Part of Highway" FORCE)
@@ -16,7 +16,7 @@ function(cbmv_fetch_highway)
   add_library(hwy::hwy ALIAS hwy)
 endfunction()
 
-# CLI11: command lines. Headers only.
+# CLI11: command line parser, headers only.
 function(cbmv_fetch_cli11)
   FetchContent_Declare(cli11
     URL https://github.com/CLIUtils/CLI11/archive/refs/tags/v2.1.2.tar.gz
@@ -24,16 +24,16 @@ function(cbmv_fetch_cli11)
   cbmv_add_fetched(cli11 CLI11)
 endfunction()
 
-# Adds the project without its other targets. Its headers give no warnings, as those of the system do not.
+# Adds a project without its other targets. Its headers are treated as system headers, without warnings.
 function(cbmv_add_fetched name target)
   FetchContent_GetProperties(${name})
   if(NOT ${name}_POPULATED)
     message(STATUS "${name} is not installed, or too old: its release is fetched")
-    if(POLICY CMP0169)  # the other way to add a project, which has no EXCLUDE_FROM_ALL before CMake 3.28
+    if(POLICY CMP0169)  # FetchContent_MakeAvailable has no EXCLUDE_FROM_ALL before CMake 3.28
       cmake_policy(SET CMP0169 OLD)
     endif()
     FetchContent_Populate(${name})
-    set(CMAKE_POLICY_VERSION_MINIMUM 3.5)  # what CMake 4 asks for
+    set(CMAKE_POLICY_VERSION_MINIMUM 3.5)  # required by CMake 4
     add_subdirectory(${${name}_SOURCE_DIR} ${${name}_BINARY_DIR} EXCLUDE_FROM_ALL)
   endif()
   get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)

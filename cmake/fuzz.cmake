@@ -1,11 +1,12 @@
-# fuzz/NAME_fuzz.cpp reads one kind of hostile input. With -DCBMV_BUILD_FUZZERS=ON (clang only) it
-# becomes the libFuzzer program NAME_fuzz, which scripts/fuzz runs; else a test that reads what lies in
-# fuzz/corpus/NAME once.
+# fuzz/NAME_fuzz.cpp reads one kind of untrusted input. With -DCBMV_BUILD_FUZZERS=ON (clang only) it becomes
+# the libFuzzer program NAME_fuzz, which scripts/fuzz runs. Otherwise it becomes a test that reads each file
+# in fuzz/corpus/NAME once.
 file(GLOB fuzz_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/fuzz/*_fuzz.cpp)
 set(ros_fuzz_targets bag camera_info compressed_image image_message)
 if(CBMV_BUILD_FUZZERS)
   add_custom_target(fuzzers)
-  # These read no files: they are only linked, so they are built fast.
+  # These libraries read no files. They are only linked, so they are built without instrumentation
+  # and optimization, to save time.
   foreach(stage base rectification matching confidence volume optimization refinement)
     file(GLOB stage_sources ${PROJECT_SOURCE_DIR}/src/${stage}/*.cpp)
     set_source_files_properties(${stage_sources} PROPERTIES COMPILE_OPTIONS "-fno-sanitize=all;-O0")

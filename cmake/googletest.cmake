@@ -1,4 +1,4 @@
-# GoogleTest and GoogleMock: `cbmv_gtest`, and `cbmv_gtest_main` with a main function.
+# Targets for GoogleTest and GoogleMock: `cbmv_gtest`, and `cbmv_gtest_main` with a main function.
 add_library(cbmv_gtest INTERFACE)
 target_include_directories(cbmv_gtest SYSTEM INTERFACE ${CBMV_GMOCK_INCLUDE_DIR})
 target_link_libraries(cbmv_gtest INTERFACE ${CBMV_gmock_LIBRARY} ${CBMV_gtest_LIBRARY} Threads::Threads)

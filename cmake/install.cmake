@@ -1,4 +1,4 @@
-# Where everything goes: as catkin has it with ROS, as any library without.
+# Install paths: catkin's layout with ROS, the standard layout without.
 include(GNUInstallDirs)
 if(CBMV_BUILD_ROS)
   set(library_destination ${CATKIN_PACKAGE_LIB_DESTINATION})
@@ -14,7 +14,7 @@ else()
   set(installed_targets ${CBMV_TOOLS})
 endif()
 
-# Programs find the libraries beside them wherever the tree is moved.
+# Relative paths: programs find the libraries even if the installed tree is moved.
 file(RELATIVE_PATH libraries_from_programs /${program_destination} /${library_destination})
 set_target_properties(cbmv ${installed_targets} PROPERTIES
                       INSTALL_RPATH "$ORIGIN;$ORIGIN/${libraries_from_programs}")
@@ -35,7 +35,7 @@ if(CBMV_BUILD_ROS)
   install(FILES nodelet_plugins.xml DESTINATION ${share_destination})
 endif()
 
-# find_package(cbmv_stereo): catkin writes its own files and reads ours by cbmv_stereo-extras.cmake.
+# Files for find_package(cbmv_stereo). catkin generates its own, which include cbmv_stereo-extras.cmake.
 export(EXPORT cbmv_stereo-targets NAMESPACE cbmv:: FILE ${PROJECT_BINARY_DIR}/cbmv_stereo-targets.cmake)
 install(EXPORT cbmv_stereo-targets NAMESPACE cbmv:: DESTINATION ${config_destination})
 if(NOT CBMV_BUILD_ROS)

@@ -1,4 +1,4 @@
-# The library as applications see it.
+# Tests of the library from the view of an application.
 
 # Each public header compiles by itself.
 file(GLOB public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include
@@ -15,9 +15,9 @@ target_link_libraries(public_headers PRIVATE cbmv::cbmv)
 target_include_directories(public_headers SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 add_dependencies(tests public_headers)
 
-# Nothing but what the public headers declare is exported.
+# Checks that only declarations of the public headers are exported.
 add_test(NAME symbols_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/symbols_test.py $<TARGET_FILE:cbmv>)
 
-# The program of docs/cpp.md, built against the installed tree by those who have nothing else.
+# Builds the program of docs/cpp.md against the installed tree only.
 add_test(NAME consumer_test COMMAND ${PROJECT_SOURCE_DIR}/test/consumer/consumer_test
          ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})

@@ -1,5 +1,5 @@
-# Which parts are built. Core and node always are. AUTO: a part is built where what it needs is found.
-# cbmv_list_parts says at the end of configuring what is left out, and what would bring it.
+# Selects the parts to build. Core and node are always built. AUTO: a part is built if its dependencies are
+# found. At the end of the configuration, cbmv_list_parts lists skipped parts and their missing packages.
 option(CBMV_BUILD_ROS "Build messages, nodelets and node (needs catkin)" ON)
 option(CBMV_MESSAGES_ONLY "Build the message definitions and nothing else" OFF)
 option(CBMV_DEVELOPER "Build the benchmarks, too" OFF)
@@ -12,8 +12,8 @@ set_property(CACHE CBMV_BUILD_TOOLS CBMV_BUILD_TRAINING PROPERTY STRINGS AUTO ON
 
 set(CBMV_LEFT_OUT)
 
-# Sets `result` to whether a part is built. `choice` names its option; the rest are pairs of a variable
-# that tells whether something is there, and the Debian package that brings it.
+# Sets `result` to whether a part is built. `choice` is the name of its option. The remaining arguments are
+# pairs: a variable that tells whether a dependency was found, and its Debian package.
 function(cbmv_decide result choice description)
   set(missing)
   set(needs ${ARGN})

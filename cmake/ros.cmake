@@ -1,8 +1,8 @@
-# The ROS side: `cbmv_ros` (conversions and nodelets; static, for what this package builds), the plugin
-# `cbmv_stereo_nodelets` made of it, and the program `cbmv_stereo_node`.
+# ROS targets: the static library `cbmv_ros` (conversions and nodelets, for use in this package), the nodelet
+# plugin `cbmv_stereo_nodelets`, and the program `cbmv_stereo_node`.
 file(GLOB ros_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/ros/*.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "_node\\.cpp$")
-if(CBMV_BUILD_FUZZERS)  # what reads messages
+if(CBMV_BUILD_FUZZERS)  # reads messages
   list(FILTER ros_sources INCLUDE REGEX "/(camera_info|color_buffer|conversions|image_conversion|point_cloud)\\.cpp$")
 endif()
 add_library(cbmv_ros_objects OBJECT ${ros_sources})

@@ -1,9 +1,9 @@
-# Tests of the ROS side. test/ros/NAME_test.cpp need no master and become plain programs;
-# test/ros/NAME.test.in are launch files of rostest, which run test/ros/NAME_rostest.cpp.
+# Tests of the ROS targets. test/ros/NAME_test.cpp need no ROS master and become plain programs.
+# test/ros/NAME.test.in are rostest launch files, which run test/ros/NAME_rostest.cpp.
 find_package(rostest REQUIRED)
-find_package(stereo_image_proc QUIET)  # what the node is compared with
+find_package(stereo_image_proc QUIET)  # the node is compared with it
 find_package(image_proc QUIET)
-find_package(depth_image_proc QUIET)  # a consumer of depth
+find_package(depth_image_proc QUIET)  # subscribes to depth
 
 function(cbmv_link_ros_test target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
@@ -23,7 +23,7 @@ foreach(test_source ${ros_test_sources})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
 
-# Recordings: the library and the program.
+# Bag processing: the library and the program.
 file(GLOB offline_test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/offline/*_test.cpp)
 foreach(test_source ${offline_test_sources})
   get_filename_component(test_name ${test_source} NAME_WE)
@@ -37,7 +37,7 @@ foreach(test_source ${offline_test_sources})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
 
-# The forest of the node under test; nothing here depends on a trained one.
+# Forest of the node under test. The tests do not depend on a trained forest.
 set(CBMV_TEST_FOREST ${PROJECT_BINARY_DIR}/test/fixture.forest)
 add_executable(write_forest_fixture EXCLUDE_FROM_ALL
                ${PROJECT_SOURCE_DIR}/test/ros/write_forest_fixture.cpp)
@@ -50,7 +50,7 @@ add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
                    COMMAND write_forest_fixture ${CBMV_TEST_FOREST})
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
-# Programs that rostest runs: it looks for them where catkin puts programs.
+# Programs that rostest runs. It searches them in catkin's program folder.
 set(CBMV_ROSTESTS stereo configuration uncertainty launch_names point_cloud worker_threads faults faults_time
     faults_parameters faults_lifecycle faults_sim_time)
 set(launch_files stereo_node stereo_nodelet configuration launch_names worker_threads faults faults_lifecycle
@@ -85,13 +85,14 @@ foreach(name ${launch_files})
   add_rostest(${launch_file} DEPENDENCIES rostests)
 endforeach()
 
-# Shards on a cluster; skipped unless CBMV_TEST_CLUSTER=1.
+# Processes shards on a cluster; skipped unless CBMV_TEST_CLUSTER=1.
 add_test(NAME cluster_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/cluster_test.py
                                    $<TARGET_FILE:cbmv_bag> ${CBMV_TEST_FOREST})
 set_tests_properties(cluster_test PROPERTIES SKIP_RETURN_CODE 77)
 
-# The node under load for a minute: scripts/soak runs it and soak_driver, which feeds and measures it.
-# Frames that take long beside what other processes hold up the node and the driver for.
+# Runs the node under load for a minute. scripts/soak starts the node and soak_driver, which publishes the
+# input and measures the node. The processing time per frame is long, so that short interruptions by other
+# processes do not matter.
 add_executable(soak_driver EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/test/ros/soak_driver.cpp)
 cbmv_link_ros_test(soak_driver)
 target_link_libraries(soak_driver PRIVATE ${catkin_LIBRARIES} CLI11::CLI11 nlohmann_json::nlohmann_json)

@@ -1,10 +1,10 @@
-# Programs that read and write bags, without a master.
+# Programs that read and write bags. They need no ROS master.
 find_package(rosbag REQUIRED)
 find_package(image_geometry REQUIRED)
 find_package(camera_calibration_parsers REQUIRED)
 
 file(GLOB offline_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/offline/*.cpp)
-if(CBMV_BUILD_FUZZERS)  # what reads bags
+if(CBMV_BUILD_FUZZERS)  # reads bags
   list(FILTER offline_sources INCLUDE REGEX "/(bag_reader|bag_set|frame_loader|frame_plan|pairing|stereo_topics)\\.cpp$")
 endif()
 add_library(cbmv_offline STATIC ${offline_sources})

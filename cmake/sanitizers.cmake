@@ -1,5 +1,5 @@
-# -DCBMV_SANITIZE=address,undefined or thread: everything is built with gcc's or clang's sanitizers,
-# which end a program at the first fault that they see. docs/reliability.md says how to run them.
+# -DCBMV_SANITIZE=address,undefined or thread builds everything with the sanitizers of gcc or clang. They
+# end a program at the first error. docs/reliability.md describes how to run them.
 set(CBMV_SANITIZE "" CACHE STRING "Sanitizers: empty, address,undefined or thread")
 set_property(CACHE CBMV_SANITIZE PROPERTY STRINGS "" "address,undefined" thread)
 set(sanitizers ${CBMV_SANITIZE})
@@ -17,18 +17,18 @@ set(sanitizer_flags "-fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omi
 string(APPEND CMAKE_CXX_FLAGS " ${sanitizer_flags}")
 string(APPEND CMAKE_EXE_LINKER_FLAGS " ${sanitizer_flags}")
 string(APPEND CMAKE_SHARED_LINKER_FLAGS " ${sanitizer_flags}")
-# Little optimization: two thirds of the time to build. The standard library checks its indices.
+# -O1 reduces the build time to two thirds. _GLIBCXX_ASSERTIONS enables index checks of the standard library.
 add_compile_options(-O1 -g1 -UNDEBUG)
 add_compile_definitions(_GLIBCXX_ASSERTIONS)
-# Vector code takes minutes a file to build with sanitizers: one instruction set instead of six. Not the
-# emulated one, which takes longest.
+# With sanitizers, vector code takes minutes per file to build, so only one instruction set is built. It is
+# not the emulated one, which takes longest.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-mssse3)
 endif()
 add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
 
 if(sanitizers STREQUAL "thread")
-  # Debian's oneTBB is built without the sanitizer, which so does not see that a loop begins after
-  # what is before it and ends before what is behind it: the headers there tell it.
+  # Debian's oneTBB is built without ThreadSanitizer, which therefore does not see the synchronization at
+  # the begin and end of a parallel loop. The headers in this folder add annotations for it.
   include_directories(BEFORE ${PROJECT_SOURCE_DIR}/test/sanitizers/annotated)
 endif()

@@ -1,5 +1,5 @@
-# test/STAGE/NAME_test.cpp becomes the program NAME_test and one entry of ctest (an entry a case
-# would load OpenCV a thousand times).
+# test/STAGE/NAME_test.cpp becomes the program NAME_test and one ctest entry. One entry per test case would
+# load OpenCV a thousand times.
 include(cmake/googletest.cmake)
 enable_testing()
 
@@ -25,7 +25,7 @@ foreach(test_source ${test_sources})
   set_target_properties(${test_name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
   add_test(NAME ${test_name} COMMAND ${test_name})
 endforeach()
-# The tests of the command-line programs run them.
+# Tests of the command-line programs, which they run.
 file(GLOB tool_test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/tools/*_test.cpp)
 foreach(test_source ${tool_test_sources})
   get_filename_component(test_name ${test_source} NAME_WE)
@@ -39,7 +39,7 @@ if(sanitizers STREQUAL "thread")
   add_test(NAME race_probe_test COMMAND race_probe_test)
   set_tests_properties(race_probe_test PROPERTIES WILL_FAIL TRUE)
 endif()
-# Messages of the Python scripts; the order of the folders; dependencies that rosdep can install.
+# Error messages of the Python scripts; include order of the folders; dependencies that rosdep can install.
 add_test(NAME scripts_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/scripts_test.py)
 add_test(NAME layers_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/layers_test.py)
 add_test(NAME package_keys_test COMMAND ${PROJECT_SOURCE_DIR}/test/scripts/package_keys_test.py)

@@ -1,5 +1,4 @@
-# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with what the programs share (the other
-# files there).
+# Command-line programs: src/tools/NAME.cpp becomes NAME, linked with the other files of this folder.
 file(GLOB tool_support_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tools/*.cpp)
 list(FILTER tool_support_sources EXCLUDE REGEX "/cbmv_[^/]*$")
 add_library(cbmv_tool_support STATIC ${tool_support_sources})
@@ -19,7 +18,7 @@ if(CBMV_WITH_TRAINING)
   foreach(tool cbmv_eval cbmv_train cbmv_tune)
     cbmv_add_tool(${tool} ${tool}.cpp cbmv_training)
   endforeach()
-  # cbmv_eval looks for the program that makes its page beside itself.
+  # cbmv_eval searches the program that creates its page in its own folder.
   add_custom_command(TARGET cbmv_eval POST_BUILD
                      COMMAND ${CMAKE_COMMAND} -E create_symlink
                              ${PROJECT_SOURCE_DIR}/scripts/evaluation_report

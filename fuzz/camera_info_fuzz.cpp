@@ -1,5 +1,4 @@
-// sensor_msgs/CameraInfo as a bag holds it: the geometry of a pair and the rectification of a raw
-// image.
+// Serialized sensor_msgs/CameraInfo: geometry of a pair and rectification of a raw image.
 
 #include <sensor_msgs/image_encodings.h>
 

@@ -1,4 +1,4 @@
-// sensor_msgs/CompressedImage as a bag holds it.
+// Serialized sensor_msgs/CompressedImage.
 
 #include "offline/frame_loader.h"
 #include "raw_input.h"

@@ -1,4 +1,4 @@
-// Forest files: ours and XGBoost's. What is read is evaluated, too.
+// Forest files of this package and of XGBoost. Valid forests are also evaluated.
 
 #include <array>
 #include <cstring>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kHypotheses = cbmv::CodeBlock::kHypotheses;
 
-/// Codes are all that a byte holds, values run from 0 to the largest that features may have.
+/// Uses all codes of a byte and values from 0 to the largest feature value.
 void evaluate(const cbmv::ForestEvaluator& evaluator) {
   std::vector<std::uint8_t> costs(kHypotheses);
   if (!evaluator.wantsValues()) {
@@ -47,8 +47,8 @@ void evaluate(const cbmv::ConfidenceForest& forest) {
   cbmv::ConfidenceEvaluator(forest).evaluate(codes, kHypotheses, probabilities.data());
 }
 
-/// With the right checksum, which no change of some bytes would hit; unchanged if there is no place
-/// for one.
+/// Sets the correct checksum, which random changes would not find. Returns the text unchanged if it
+/// has no checksum field.
 std::string withChecksum(const std::string& text) {
   try {
     auto json = cbmv::parseBounded<cbmv::OrderedJson>(text);
@@ -56,7 +56,7 @@ std::string withChecksum(const std::string& text) {
       json["checksum"] = cbmv::crc32Text(json["model"].dump());
       return json.dump();
     }
-  } catch (const std::exception&) {  // parseForest says what is wrong
+  } catch (const std::exception&) {  // parseForest reports the error
   }
   return text;
 }

@@ -5,19 +5,19 @@
 
 #include "cbmv_stereo/error.h"
 
-// Each program of this folder hands hostile bytes to one reader. All that the reader may do is to
-// return, or to throw cbmv::Error: everything else ends the program.
+// Each program of this folder passes arbitrary bytes to one reader. The reader must return or throw
+// cbmv::Error. Everything else ends the program.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace cbmv::fuzz {
 
-/// Runs a reader. A refusal in a sentence is as good as a result.
+/// Runs a reader. cbmv::Error is a valid result.
 template <typename Read>
 int attempt(const Read& read) {
   try {
     read();
-  } catch (const Error&) {  // what the reader promises
+  } catch (const Error&) {  // valid result
   }
   return 0;
 }

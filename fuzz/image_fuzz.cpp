@@ -1,4 +1,5 @@
-// Images: PNG, JPEG and what else OpenCV reads, as grey, as colour and as disparities.
+// Images: PNG, JPEG and all other formats that OpenCV reads, decoded as gray, as color and as
+// disparities.
 
 #include "fuzz_target.h"
 #include "io/disparity_file.h"

@@ -1,4 +1,4 @@
-// sensor_msgs/Image as a bag holds it, as grey, colour and numbers.
+// Serialized sensor_msgs/Image, decoded as gray, color and numbers.
 
 #include "raw_input.h"
 #include "ros/image_conversion.h"

@@ -1,4 +1,4 @@
-// Lists of pairs. No file that one names is there.
+// Lists of pairs. The listed files do not exist.
 
 #include "data_sets/data_set.h"
 #include "fuzz_target.h"

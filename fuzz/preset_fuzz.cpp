@@ -1,4 +1,4 @@
-// Presets: YAML. What is read is made consistent, as the programs do.
+// Presets: YAML. Valid ones are made consistent, as in the programs.
 
 #include "fuzz_target.h"
 #include "pipeline/memory.h"

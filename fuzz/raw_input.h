@@ -5,7 +5,7 @@
 
 namespace cbmv::fuzz {
 
-/// The bytes as a message; null where they are none.
+/// The bytes as a message; null if they are too short for one.
 template <typename Message>
 boost::shared_ptr<Message> toRosMessage(const std::uint8_t* data, std::size_t size) {
   RawMessage raw;

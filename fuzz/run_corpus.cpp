@@ -1,5 +1,4 @@
-// The main function of the fuzz targets where there is no libFuzzer: reads each file of the folders
-// that are named, once.
+// Main function of the fuzz targets without libFuzzer: reads each file of the given folders once.
 
 #include <algorithm>
 #include <cstdio>
@@ -21,7 +20,7 @@ int main(int argc, char** argv) {
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
     std::printf("%s\n", file.filename().c_str());
-    std::fflush(stdout);  // the last line names the file that ends the program
+    std::fflush(stdout);  // the last line names the file that crashed the program
     std::ifstream in(file, std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

@@ -10,7 +10,7 @@
 
 namespace cbmv::fuzz {
 
-/// A file in memory, for readers that take paths.
+/// A file in memory, for readers that need a path.
 class ScratchFile {
  public:
   ScratchFile(const std::uint8_t* data, std::size_t size) : file_(memfd_create("input", 0)) {

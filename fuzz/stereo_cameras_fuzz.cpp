@@ -1,4 +1,5 @@
-// Calibration files of rigs, of any format, for both cameras and for one each.
+// Calibration files of stereo rigs in all formats: one file for both cameras, and one file per
+// camera.
 
 #include "fuzz_target.h"
 #include "io/stereo_cameras.h"
@@ -10,7 +11,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   for (const char* cameras : {"", ":02,03"}) {
     cbmv::fuzz::attempt([&] { cbmv::readStereoCameras(file.path() + cameras); });
   }
-  // The two files that a rig is described by in one input, then one camera twice.
+  // Splits the input into two files that describe one rig.
   const cbmv::fuzz::ScratchFile rest(data + size / 2, size - size / 2);
   cbmv::fuzz::attempt([&] { cbmv::readStereoCameras(half.path(), rest.path()); });
   return cbmv::fuzz::attempt([&] { cbmv::readStereoCameras(file.path(), file.path()); });

@@ -1,9 +1,9 @@
-# Sourced by the scripts that play a real stereo pair through nodes: the pair, a ROS master of their
-# own, and processes that are ended by their number. The callers stand in the root of the repository.
+# Functions for scripts that process a real stereo pair with nodes: fetch the pair, run a private ROS master,
+# start processes and stop them by their process id. Source this file in the root of the repository.
 . scripts/environment.sh
 
-# Unpacks a package of Debian into a folder without installing it, where it is not installed; prints
-# the folder that has its /usr.
+# If a Debian package is not installed, unpacks it into a folder without installing it. Prints the folder
+# with its /usr.
 unpack_package() {  # PACKAGE FOLDER
   if [ "$(dpkg-query -W -f '${Status}' "$1" 2> /dev/null)" = "install ok installed" ]; then
     return
@@ -13,9 +13,9 @@ unpack_package() {  # PACKAGE FOLDER
   echo "$2"
 }
 
-# Middlebury's Motorcycle at quarter resolution (CC0), from the package of scikit-image: left.png,
-# right.png, truth.pfm, calib.txt in a folder. Principal points and baseline: documentation of its
-# stereo_motorcycle().
+# Gets Middlebury's Motorcycle at quarter resolution (CC0) from the scikit-image package: left.png, right.png,
+# truth.pfm and calib.txt in a folder. Source of principal points and baseline: documentation of
+# stereo_motorcycle() in scikit-image.
 fetch_motorcycle() {  # FOLDER
   local root
   root=$(unpack_package python3-skimage "$1/download") || return 1
@@ -42,7 +42,7 @@ CALIBRATION
   rm -rf "$1/download"
 }
 
-# A master on a free port of 127.0.0.1, and the devel space; logs go to the folder.
+# Starts a ROS master on a free port of 127.0.0.1 and sources the devel space. Logs go to the folder.
 open_session() {  # FOLDER
   session_folder=$1
   set +u  # setup.bash reads variables that may be unset
@@ -59,17 +59,17 @@ print(s.getsockname()[1])')
 }
 
 session_processes=()
-start() {  # LOG COMMAND...: runs it in the background, its output in a log
+start() {  # LOG COMMAND...: runs the command in the background, with its output in a log
   local log=$1
   shift
-  # A background job of a script ignores SIGINT unless it is told otherwise.
+  # Restores the default SIGINT handler, because background jobs of a script ignore SIGINT.
   /usr/bin/python3 -c 'import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 os.execvp(sys.argv[1], sys.argv[1:])' "$@" > "$session_folder/$log.log" 2>&1 &
   session_processes+=($!)
 }
 
-# Ends what was started, the last one first.
+# Stops all started processes, the last one first.
 close_session() {
   local i
   for ((i = ${#session_processes[@]} - 1; i >= 0; i--)); do
@@ -79,18 +79,18 @@ close_session() {
   session_processes=()
 }
 
-is_playing() {  # grep reads to the end: rosnode would die of a closed pipe
+is_playing() {  # no grep -q, because it closes the pipe early, which kills rosnode
   rosnode list 2> /dev/null | grep /player > /dev/null
 }
 
-# Until the player, which a process of this number starts, has come and gone, or seconds are over.
+# Waits until the player, started by process PID, has appeared and ended, or until SECONDS have passed.
 wait_for_player() {  # PID SECONDS
   local limit=$((SECONDS + $2))
   until is_playing || ! kill -0 "$1" 2> /dev/null; do sleep 0.2; done
   while [ "$SECONDS" -lt "$limit" ] && is_playing; do sleep 1; done
 }
 
-# Xvfb with OpenGL in software, on a free display.
+# Starts Xvfb with software OpenGL on a free display.
 open_screen() {  # WIDTHxHEIGHT
   start xvfb Xvfb -displayfd 1 -screen 0 "${1}x24" +extension GLX
   local display=

@@ -1,10 +1,10 @@
-# For the scripts beside it, which source this file in the project's root.
+# Common settings of the scripts in this folder, which source this file in the root of the repository.
 
-# Debian's ROS works with Debian's Python only.
+# Debian's ROS requires Debian's Python.
 export PATH=/usr/bin:/bin:$PATH
 
-# Configures a build with everything in it. Usage: configure FOLDER [CMAKE ARGUMENTS]. The variable
-# CBMV_CMAKE_ARGUMENTS may hold further arguments, apart by blanks.
+# Configures a build of all parts. Usage: configure FOLDER [CMAKE ARGUMENTS]. The variable
+# CBMV_CMAKE_ARGUMENTS can contain more arguments, separated by blanks.
 configure() {
   local folder=$1 extra
   shift

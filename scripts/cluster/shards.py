@@ -1,4 +1,4 @@
-"""The shards of an output: what `submit` plans, and what has become of them."""
+"""The shards of an output: the plan of `submit` and the state of each shard."""
 
 import collections
 import getpass
@@ -11,13 +11,13 @@ import subprocess
 
 
 class Refusal(Exception):
-    """One sentence for the user."""
+    """An error with a message for the user."""
 
 
 Job = collections.namedtuple("Job", "number state reason")  # number: JOB_TASK
 State = collections.namedtuple("State", "name detail job")
 
-MERGE = 0  # the key of the merging where shards have their numbers
+MERGE = 0  # key of the merge job in maps from shard numbers
 
 
 class Shards:
@@ -27,12 +27,12 @@ class Shards:
         self.output = pathlib.Path(output).absolute()
         self.folder = self.output.with_name(self.output.name + ".shards")
         self.plan_file = self.folder / "plan.json"
-        # Known without any record of what was submitted.
+        # Derived from the path, so that no record of submitted jobs is needed.
         self.job_name = "cbmv-" + hashlib.sha256(str(self.output).encode()).hexdigest()[:12]
         self.merge_name = self.job_name + "-merge"
 
     def read_plan(self):
-        """None if there is none."""
+        """The plan; None if there is none."""
         try:
             return json.loads(self.plan_file.read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -55,7 +55,7 @@ class Shards:
         return self.folder / ("merge.log" if number == MERGE else f"shard-{number:04d}.log")
 
     def frames_done(self, number):
-        """In the parts that a shard has finished."""
+        """Number of frames in the finished parts of a shard."""
         done = 0
         for part in self.folder.glob(self.bag(number).name + ".part.*"):
             numbers = re.search(r"\.part\.(\d+)-(\d+)$", part.name)
@@ -64,7 +64,7 @@ class Shards:
         return done
 
     def jobs(self):
-        """What Slurm has of this output, by the number of the shard."""
+        """Slurm's jobs for this output, by shard number."""
         lines = slurm(["squeue", "--noheader", "--array", "--user", getpass.getuser(), "--name",
                        f"{self.job_name},{self.merge_name}", "--format", "%i|%j|%T|%r"])
         jobs = {}
@@ -75,7 +75,7 @@ class Shards:
         return jobs
 
     def states(self, count, jobs):
-        """Of the shards, and of the merging: done, running, queued, failed, missing."""
+        """State of each shard and of the merge job: done, running, queued, failed, missing."""
         return {number: self._state(number, jobs.get(number)) for number in range(count + 1)}
 
     def _state(self, number, job):
@@ -94,7 +94,7 @@ class Shards:
 
 
 def slurm(command):
-    """Standard output of one of Slurm's programs."""
+    """Standard output of a Slurm program."""
     if not shutil.which(command[0]):
         raise Refusal(f"{command[0]} is not on the PATH; Slurm's programs have to be")
     done = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,

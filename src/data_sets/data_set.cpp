@@ -14,7 +14,7 @@ namespace {
 struct Kind {
   const char* name;
   const char* title;
-  const char* layout;  ///< what a folder without a scene should hold
+  const char* layout;  ///< expected content of a folder, for messages
   double correct_px;   ///< DataSet::correctPx
   std::unique_ptr<SceneReader> (*make_reader)(const std::string&, Truth);
 };

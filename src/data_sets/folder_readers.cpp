@@ -1,4 +1,4 @@
-// Data sets that are a folder in a layout of their own: Middlebury v3, ETH3D, KITTI.
+// Data sets that are a folder: Middlebury v3, ETH3D, KITTI.
 
 #include <filesystem>
 #include <utility>
@@ -36,7 +36,7 @@ class MiddleburyReader : public SceneReader {
   Truth truth_;
 };
 
-/// Names of the folders in a KITTI data set.
+/// Folder names of a KITTI data set.
 struct KittiLayout {
   const char* left;
   const char* right;

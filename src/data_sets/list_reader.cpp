@@ -1,4 +1,4 @@
-// Data set that is a text file with a line for each pair.
+// Data set that is a text file with one line per pair.
 
 #include <algorithm>
 #include <cmath>
@@ -26,11 +26,11 @@ constexpr std::uintmax_t kLargestFile = 64 << 20;
 struct ListedPair {
   std::string left, right, truth;
   double divisor = 1.0;
-  int disparities = 0;  ///< 0: as many as the truth needs
+  int disparities = 0;  ///< 0: derived from the truth
   std::string line;     ///< file and line, for messages
 };
 
-/// The left file without its extension, its folders joined by '_' instead of '/'.
+/// The left file without its extension, '/' replaced by '_'.
 std::string sceneName(const std::string& left) {
   std::string name;
   for (const fs::path& part : fs::path(left).replace_extension().relative_path()) {
@@ -41,7 +41,7 @@ std::string sceneName(const std::string& left) {
   return name;
 }
 
-/// Throws Error if the text is not `left right disparity scale [ndisp]`.
+/// Throws Error unless the text is `left right disparity scale [ndisp]`.
 ListedPair parsePair(const std::string& text, const std::string& line) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
@@ -60,7 +60,7 @@ ListedPair parsePair(const std::string& text, const std::string& line) {
   return pair;
 }
 
-/// Smallest range from 0 on that holds all of the truth.
+/// Smallest range from 0 that holds the truth.
 int neededDisparities(const cv::Mat& truth) {
   float highest = 0.0F;
   for (auto value = truth.begin<float>(); value != truth.end<float>(); ++value) {

@@ -1,4 +1,4 @@
-// Middlebury 2005 and 2006: three sizes, with folders and files of the same names.
+// Middlebury 2005 and 2006: three sizes with the same folder and file names.
 
 #include <algorithm>
 #include <array>
@@ -19,10 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Size {
-  const char* kind;  ///< of data set
+  const char* kind;  ///< of the data set
   const char* title;
   double divisor;  ///< true disparity = value / divisor, px
-  int widest_px;   ///< of its images; full ones are 1240 to 1396 px wide
+  int widest_px;   ///< widest allowed image; full size images are 1240 to 1396 px wide
 };
 
 constexpr std::array<Size, 3> kSizes = {
@@ -30,7 +30,7 @@ constexpr std::array<Size, 3> kSizes = {
      {"middlebury_2005_half", "half size", 2.0, 900},
      {"middlebury_2005_full", "full size", 1.0, std::numeric_limits<int>::max()}}};
 
-/// 255 where the right image's true disparities confirm the left ones within 1 px, else 0.
+/// 255 where the true disparity of the right image equals the left one within 1 px, else 0.
 cv::Mat confirmedByRightTruth(const cv::Mat& truth, const cv::Mat& right_truth) {
   cv::Mat visible(truth.size(), CV_8UC1, cv::Scalar(0));
   for (int y = 0; y < truth.rows; ++y) {
@@ -46,8 +46,9 @@ cv::Mat confirmedByRightTruth(const cv::Mat& truth, const cv::Mat& right_truth) 
   return visible;
 }
 
-/// Mean difference of the gray values of left pixels and of where the truth, multiplied by
-/// `factor`, places them on the right; over the pixels that any size places inside.
+/// Mean gray value difference between left pixels and the right pixels given by the truth times
+/// `factor`. Uses only pixels that are inside the image for every size, so that the sizes are
+/// comparable.
 double meanDifference(const StereoScene& scene, double divisor, double factor) {
   double sum = 0;
   int count = 0;
@@ -64,7 +65,7 @@ double meanDifference(const StereoScene& scene, double divisor, double factor) {
   return count > 0 ? sum / count : 0;
 }
 
-/// The size by whose divisor the truth fits the pair best: with that of another one gray values
+/// The size whose divisor fits the pair best. With the divisor of another size the gray values
 /// differ about three times as much.
 const Size& bestFit(const StereoScene& scene, const Size& wanted) {
   constexpr double clearly = 1.5;
@@ -123,7 +124,7 @@ class Middlebury2005Reader : public SceneReader {
     }
   }
 
-  /// Parts that were cut out of larger images are not too wide.
+  /// Crops of larger images can be narrow, so the width alone does not tell the size.
   void requireFit(const fs::path& file, const StereoScene& scene) const {
     const Size& best = bestFit(scene, size_);
     if (&best != &size_) {

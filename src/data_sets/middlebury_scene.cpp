@@ -20,8 +20,7 @@ cv::Mat readVisible(const fs::path& file, const cv::Mat& truth, const fs::path& 
   return (mask == 255) & (truth == truth);  // NaN differs from itself
 }
 
-/// disp0GT.pfm of the evaluation's folders, disp0.pfm of the data sets of 2014; the former where
-/// there is neither.
+/// disp0GT.pfm (evaluation data) or disp0.pfm (2014 data sets); disp0GT.pfm if neither exists.
 fs::path truthFile(const fs::path& folder) {
   for (const char* name : {"disp0GT.pfm", "disp0.pfm", "disp0GT.PFM", "disp0.PFM"}) {
     if (fs::exists(folder / name)) {

@@ -9,7 +9,7 @@
 
 namespace cbmv {
 
-/// How one kind of data set lists and reads its scenes.
+/// Lists and reads the scenes of one kind of data set.
 class SceneReader {
  public:
   virtual ~SceneReader() = default;
@@ -17,7 +17,7 @@ class SceneReader {
   virtual StereoScene read(const std::string& scene) const = 0;
 };
 
-// Layouts and what the truth is: data_set.h.
+// See data_set.h for the layouts and their truth.
 std::unique_ptr<SceneReader> makeMiddleburyReader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeEth3dReader(const std::string& folder, Truth truth);
 std::unique_ptr<SceneReader> makeMiddlebury2005Reader(const std::string& folder, Truth truth);

@@ -11,14 +11,14 @@ namespace {
 constexpr float kOccluderMargin = 1.0F;  // px of disparity
 constexpr float kOccluderReach = 1.0F;   // columns of the right image
 
-/// A pixel whose disparity is known and where it lands in the right image.
+/// A pixel with known disparity and its column in the right image.
 struct Landing {
   float column;
   float disparity;
   int x;
 };
 
-/// Those of one row, in the order of where they land.
+/// The landings of one row, sorted by column.
 std::vector<Landing> landings(const cv::Mat& truth, int y) {
   std::vector<Landing> row;
   for (int x = 0; x < truth.cols; ++x) {

@@ -15,7 +15,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kBinsPerCalibrationBin = kConfidenceBins / kCalibrationBins;
 
 std::size_t binOf(float confidence) {
-  constexpr double kTolerance = 1e-4;  // of a bin: 0.7 as a float is below 0.7
+  constexpr double kTolerance = 1e-4;  // bins; 0.7 as a float is below 0.7
   const auto bin =
       static_cast<std::size_t>(static_cast<double>(confidence) * kConfidenceBins + kTolerance);
   return std::min(bin, kConfidenceBins - 1);

@@ -8,71 +8,70 @@
 
 namespace cbmv {
 
-/// Bins of ConfidenceProfile, of equal width over [0, 1]. A hundredth is a multiple of the width,
-/// so that the usual thresholds fall between bins.
+/// Number of bins of ConfidenceProfile, equally wide over [0, 1]. 0.01 is a multiple of the bin
+/// width, so the usual thresholds lie on bin limits.
 inline constexpr std::size_t kConfidenceBins = 200;
 
-/// Which confidences go with which errors, as sums that can be added over scenes. Numbers are of
-/// pixels, or of parts of them after addProfile.
+/// Disparity errors as a function of confidence, as sums that can be added over scenes. Counts are
+/// pixels, or fractions of pixels after addProfile.
 struct ConfidenceProfile {
   struct Bin {
     double pixels = 0.0;
-    double confidence = 0.0;  ///< sum of their confidences
-    double wrong = 0.0;       ///< |d − truth| above what counts as correct
-    double bad_1 = 0.0;       ///< |d − truth| > 1 px
-    double bad_3 = 0.0;       ///< |d − truth| > 3 px
+    double confidence = 0.0;  ///< sum of the confidences in the bin
+    double wrong = 0.0;       ///< pixels with |d − truth| above correct_px
+    double bad_1 = 0.0;       ///< pixels with |d − truth| > 1 px
+    double bad_3 = 0.0;       ///< pixels with |d − truth| > 3 px
   };
-  std::vector<Bin> bins;  ///< kConfidenceBins by rising confidence; empty: not known
-  double pixels = 0.0;    ///< counted pixels, those without a disparity too; these are in no bin
-  double squared_error = 0.0;  ///< sum of (confidence − correct)², correct being 0 or 1
+  std::vector<Bin> bins;       ///< kConfidenceBins by increasing confidence; empty: unknown
+  double pixels = 0.0;         ///< all counted pixels; those without a disparity are in no bin
+  double squared_error = 0.0;  ///< sum of (confidence − correct)², correct = 0 or 1
 };
 
-/// Counts the pixels as evaluateDisparity does. `confidence` is CV_32FC1; NaN counts as 0. A pixel
-/// without a disparity counts as wrong and as known to be, with a confidence of 0. Without bins
-/// when a confidence lies outside of [0, 1], which is then no probability. Throws Error when sizes
-/// or types differ.
+/// Counts the same pixels as evaluateDisparity. `confidence` is CV_32FC1; NaN counts as 0. A pixel
+/// without a disparity counts as wrong with confidence 0. The result has no bins if a confidence is
+/// outside [0, 1], because it is then not a probability. Throws Error when sizes or types differ.
 ConfidenceProfile profileConfidence(const cv::Mat& disparity, const cv::Mat& confidence,
                                     const cv::Mat& truth, const cv::Mat& mask, float invalid,
                                     float correct_px);
 
-/// Adds the profile of a scene so that it has this weight, however many pixels it has. The sum of
-/// profiles of which one has no bins has none.
+/// Adds the profile of a scene, scaled to the given weight independent of its number of pixels. The
+/// sum has no bins if one of the profiles has none.
 void addProfile(const ConfidenceProfile& scene, double weight, ConfidenceProfile& sum);
 
-/// Expected calibration error, 0 … 1: over ten bins of equal width, the mean of |mean confidence −
-/// share of correct pixels|, weighted with the bins' pixels (Guo et al. 2017). NaN: not known.
+/// Expected calibration error, 0 … 1: the mean over ten equally wide bins of |mean confidence −
+/// fraction of correct pixels|, weighted by the pixels per bin (Guo et al. 2017). NaN: unknown.
 double calibrationError(const ConfidenceProfile& profile);
 
-/// Mean of (confidence − correct)², 0 … 1. NaN: not known.
+/// Mean of (confidence − correct)², 0 … 1. NaN: unknown.
 double brierScore(const ConfidenceProfile& profile);
 
 inline constexpr std::size_t kCalibrationBins = 10;
 
-/// A bin of the reliability diagram.
+/// One bin of the reliability diagram.
 struct CalibrationBin {
   double pixels = 0.0;      ///< percent of the counted pixels
   double confidence = 0.0;  ///< mean; NaN without pixels
-  double correct = 0.0;     ///< share of correct pixels, 0 … 1; NaN without pixels
+  double correct = 0.0;     ///< fraction of correct pixels, 0 … 1; NaN without pixels
 };
 
-/// By rising confidence; all without pixels when the profile is not known.
+/// By increasing confidence. All bins are without pixels if the profile is unknown.
 std::array<CalibrationBin, kCalibrationBins> reliability(const ConfidenceProfile& profile);
 
-/// What remains when only the pixels of a confidence of at least `min_confidence` are kept.
+/// Density and errors when only pixels with a confidence of at least `min_confidence` are kept.
 struct OperatingPoint {
   double min_confidence = 0.0;
-  double density = 0.0;  ///< percent of the counted pixels that are kept
+  double density = 0.0;  ///< kept pixels, percent of the counted pixels
   double bad_1 = 0.0;    ///< percent of the kept pixels; NaN when there are none
   double bad_3 = 0.0;
 };
 
-/// A threshold inside of a bin keeps its part of all that is in the bin. All but `min_confidence`
-/// is NaN when the profile is not known.
+/// A threshold inside a bin keeps the corresponding fraction of the bin. If the profile is unknown,
+/// all values except `min_confidence` are NaN.
 OperatingPoint operatingPoint(const ConfidenceProfile& profile, double min_confidence);
 
-/// The threshold that keeps this percent (above 0) of the counted pixels. Where fewer have a
-/// disparity, those without are kept too, as bad ones. All but `density` is NaN when the profile is
-/// not known.
+/// Operating point at the threshold that keeps `percent` (above 0) of the counted pixels. If fewer
+/// pixels have a disparity, pixels without one are kept too and count as bad. If the profile is
+/// unknown, all values except `density` are NaN.
 OperatingPoint atDensity(const ConfidenceProfile& profile, double percent);
 
 }  // namespace cbmv

@@ -13,14 +13,14 @@ namespace cbmv {
 namespace {
 
 constexpr float kOutlierPx = 3.0F;
-constexpr float kOutlierShare = 0.05F;   // of the truth
-constexpr double kRankTolerance = 1e-9;  // 0.9 · 10 is to be 9, whatever its rounding
+constexpr float kOutlierShare = 0.05F;   // fraction of the truth
+constexpr double kRankTolerance = 1e-9;  // rounds 0.9 · 10 to 9
 
 double percent(long part, long whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Smallest value that at least this share of the values does not exceed; reorders them.
+/// Smallest value that is not exceeded by the fraction `share` of the values. Reorders them.
 double quantile(std::vector<float>& values, double share) {
   const auto rank = static_cast<std::ptrdiff_t>(
       std::ceil(share * static_cast<double>(values.size()) - kRankTolerance));
@@ -35,14 +35,14 @@ std::size_t binOf(float error) {
   return end > kErrorBins ? kErrorBins : static_cast<std::size_t>(std::max(end, 1.0)) - 1;
 }
 
-/// What the counted pixels add up to.
+/// Sums over the counted pixels.
 struct ErrorSums {
   static constexpr std::array<float, 5> kThresholds = {0.5F, 1.0F, 2.0F, 3.0F, 4.0F};  // px
   std::array<long, 5> bad = {};
   std::array<long, kErrorBins + 1> bins = {};
   long outliers = 0;
   long pixels = 0;
-  std::vector<float> errors;  ///< where there is a disparity, px
+  std::vector<float> errors;  ///< px, pixels with a disparity only
   double absolute = 0.0;
   double squared = 0.0;
 

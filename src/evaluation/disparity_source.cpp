@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kPngDivisor = 256.0;
 
-/// The files beside a scene's disparities, which need not be there.
+/// Optional files of a scene.
 constexpr std::array<std::pair<const char*, cv::Mat SceneMaps::*>, 2> kExtraMaps = {
     {{"_confidence.pfm", &SceneMaps::confidence}, {"_sigma.pfm", &SceneMaps::disparity_sigma}}};
 
@@ -35,7 +35,7 @@ SceneMaps matchScene(StereoMatcher& matcher, StereoOptions options, const Stereo
   return toSceneMaps(matcher.match(scene.left, scene.right));
 }
 
-/// The map of a scene; SCENE.pfm where there is none.
+/// The disparity file of a scene; SCENE.pfm if none exists.
 fs::path mapFile(const fs::path& folder, const std::string& scene) {
   for (const char* extension : {".pfm", ".PFM", ".png", ".PNG"}) {
     fs::path file = folder / (scene + extension);

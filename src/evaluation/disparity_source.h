@@ -13,23 +13,24 @@
 
 namespace cbmv {
 
-/// Where the maps of a scene come from. Throws when the scene has none; works on scene after scene.
+/// Returns the maps of a scene. Throws when the scene has none. Call it for one scene at a time.
 using DisparitySource = std::function<SceneMaps(const StereoScene&)>;
 
-/// What the matcher found as it is scored: infinity where there is no disparity.
+/// Converts the result of the matcher; infinity where there is no disparity.
 SceneMaps toSceneMaps(const StereoResult& result);
 
-/// Matches each scene with this forest, over the data set's range or, where options.range is
-/// automatic, over the one that is found in the pair. Throws Error at once when the
-/// options are inconsistent.
+/// Matches each scene with this forest over the disparity range of the data set, or over the range
+/// found in the pair if options.range is automatic. Throws Error immediately when the options are
+/// inconsistent.
 DisparitySource matchingSource(std::shared_ptr<const Forest> forest, const StereoOptions& options);
 
-/// Reads `folder`/SCENE.pfm or, without it, SCENE.png (16 bits, value / 256, 0 = none), and
-/// SCENE_confidence.pfm and SCENE_sigma.pfm where they are there. Sizes must be those of the scene.
+/// Reads `folder`/SCENE.pfm or, if it does not exist, SCENE.png (16 bits, disparity = value / 256,
+/// 0 = none). SCENE_confidence.pfm and SCENE_sigma.pfm are optional. All sizes must equal the
+/// scene's.
 DisparitySource fileSource(const std::string& folder);
 
-/// Writes SCENE.pfm (no disparity: infinity) and, where they are known, SCENE_confidence.pfm and
-/// SCENE_sigma.pfm, so that fileSource gives the same maps, except for the time.
+/// Writes SCENE.pfm (no disparity: infinity) and, if known, SCENE_confidence.pfm and
+/// SCENE_sigma.pfm. fileSource reads the same maps back, except for the time.
 void writeMaps(const std::string& folder, const StereoScene& scene, const SceneMaps& maps);
 
 }  // namespace cbmv

@@ -16,7 +16,7 @@ struct MatchedScene {
   std::optional<SceneScore> score;  ///< nothing: no ground truth
 };
 
-/// Nothing when the scene failed.
+/// Returns nothing if the scene failed.
 std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string& name,
                                      const DisparitySource& source, const ScoreOptions& scoring,
                                      const EvaluationEvents& events) {
@@ -36,7 +36,7 @@ std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string&
 }
 
 std::string summary(const MatchedScene& matched) {
-  constexpr std::size_t kBad1 = 1;  // in kMetrics
+  constexpr std::size_t kBad1 = 1;  // index in kMetrics
   std::ostringstream line;
   line.precision(2);
   line << std::fixed << matched.scene.name << ": ";

@@ -10,25 +10,24 @@
 
 namespace cbmv {
 
-/// What an evaluation tells while it runs; all of them must be set.
+/// Callbacks of an evaluation; all must be set.
 struct EvaluationEvents {
-  std::function<void(const std::string&)> progress;  ///< a line for people
-  std::function<void(const std::string&)> failure;   ///< a scene and what is wrong with it
-  std::function<void(const StereoScene&, const SceneMaps&)> maps;  ///< of a scene that was matched
-  std::function<void(const EvaluationReport&)> scored;             ///< the report has a scene more
+  std::function<void(const std::string&)> progress;  ///< a progress message
+  std::function<void(const std::string&)> failure;   ///< the name of a failed scene and the error
+  std::function<void(const StereoScene&, const SceneMaps&)> maps;  ///< the maps of a matched scene
+  std::function<void(const EvaluationReport&)> scored;  ///< the report after a scene was added
 };
 
-/// Matches the scenes, in this order, and puts their scores into `report`, or only their names
-/// where there is no ground truth, by `report.scoring`; leaves alone those that are in it already.
-/// A scene that cannot be read, matched or scored is told by `failure` and left out. Returns how
-/// many these are.
+/// Matches the scenes in this order and adds their scores to `report`, using `report.scoring`.
+/// Scenes without ground truth are added by name only. Scenes already in the report are skipped. A
+/// scene that cannot be read, matched or scored is passed to `failure` and left out. Returns the
+/// number of failed scenes.
 int evaluateScenes(const DataSet& data_set, const std::vector<std::string>& scenes,
                    const DisparitySource& source, const EvaluationEvents& events,
                    EvaluationReport& report);
 
-/// Takes over into `report`, which has no scenes yet, those of `scenes` that an earlier report of
-/// the same fingerprint and scoring holds, scored or not. Returns how many these are, −1 when the
-/// fingerprints or scorings differ.
+/// Copies the results of `scenes`, scored or not, from `earlier` into `report`, which must have no
+/// scenes. Returns the number of copied scenes, or −1 if the fingerprints or the scorings differ.
 int resumeReport(const EvaluationReport& earlier, const DataSet& data_set,
                  const std::vector<std::string>& scenes, EvaluationReport& report);
 

@@ -17,7 +17,7 @@ namespace {
 
 struct Outcome {
   bool succeeded = false;
-  std::string errors;  ///< what the program wrote to its standard error
+  std::string errors;  ///< standard error of the program
 };
 
 [[noreturn]] void failToRun(const std::string& program, int error) {
@@ -43,7 +43,7 @@ std::string readAll(int descriptor) {
   return text;
 }
 
-/// Without a shell. The first word is the program's path.
+/// Runs the program without a shell. The first word is its path.
 Outcome runProgram(std::vector<std::string> words) {
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
@@ -77,7 +77,7 @@ Outcome runProgram(std::vector<std::string> words) {
   return outcome;
 }
 
-/// Of a traceback, the line that says what is wrong.
+/// The last line of a Python traceback is the error message.
 std::string lastLine(std::string text) {
   text.erase(text.find_last_not_of(" \n") + 1);
   return text.empty() ? "the program that makes it was stopped" : text.substr(text.rfind('\n') + 1);

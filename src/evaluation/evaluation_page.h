@@ -4,10 +4,9 @@
 
 namespace cbmv {
 
-/// Runs `program`, which is scripts/evaluation_report, to make the page `page` (HTML) from the
-/// report `json` (writeJsonReport) and the folder of pictures `maps` (writePictures). Throws Error
-/// with the program's own sentence when it fails, or that says what is missing when it cannot be
-/// run.
+/// Runs `program` (scripts/evaluation_report) to create the HTML file `page` from the report `json`
+/// (writeJsonReport) and the picture folder `maps` (writePictures). Throws Error with the program's
+/// error message if it fails, or with the missing file if it cannot be started.
 void writeEvaluationPage(const std::string& program, const std::string& json,
                          const std::string& maps, const std::string& page);
 

@@ -12,7 +12,7 @@
 namespace cbmv {
 namespace {
 
-/// The scenes' rows and, below, their means.
+/// One row per scene, then the means.
 std::vector<SceneScore> rowsWithMeans(const EvaluationReport& report) {
   std::vector<SceneScore> rows = report.scenes;
   if (!report.scenes.empty()) {
@@ -35,7 +35,7 @@ std::string fixed(double value, int decimals) {
 
 using Table = std::vector<std::vector<std::string>>;
 
-/// Cells of the table of noc or all pixels, the header first.
+/// Table of noc or all pixels, header first.
 Table tableOf(const EvaluationReport& report, MetricValues SceneScore::*pixels) {
   Table table(1, {"scene"});
   for (const Metric& metric : kMetrics) {
@@ -60,7 +60,7 @@ std::string padded(const std::string& text, std::size_t width, bool left) {
   return left ? text + blanks : blanks + text;
 }
 
-/// Columns as wide as their widest cell, between `begin`, `between` and `end`.
+/// Pads the columns to equal width, with `begin`, `between` and `end` around the cells.
 std::string alignTable(const Table& table, const char* begin, const char* between,
                        const char* end) {
   std::vector<std::size_t> widths(table[0].size(), 0);
@@ -86,7 +86,7 @@ std::string markdownTable(Table table) {
   return alignTable(table, "| ", " | ", " |\n");
 }
 
-/// The points of a summary, in the order of kMinConfidences, then those at a density.
+/// The points at kMinConfidences, then those at the given density.
 std::vector<OperatingPoint> pointsOf(const ConfidenceSummary& summary) {
   std::vector<OperatingPoint> points(summary.operating_points.begin(),
                                      summary.operating_points.end());
@@ -103,7 +103,7 @@ std::string shortNumber(double value) {
   return text.data();
 }
 
-/// What is kept at each of pointsOf.
+/// Names of pointsOf.
 std::vector<std::string> pointNames(const EvaluationReport& report) {
   std::vector<std::string> names;
   names.reserve(kMinConfidences.size() + 2);
@@ -118,7 +118,7 @@ std::vector<std::string> pointNames(const EvaluationReport& report) {
   return names;
 }
 
-/// Cells of the table of operating points, the header first; empty when they are not known.
+/// Table of operating points, header first; empty if they are unknown.
 Table operatingTable(const EvaluationReport& report, bool weighted) {
   const auto noc =
       summarizeConfidence(report.scenes, &SceneScore::noc_sums, weighted, report.density);
@@ -143,13 +143,13 @@ Table operatingTable(const EvaluationReport& report, bool weighted) {
   return table;
 }
 
-/// What the numbers of the confidence call correct.
+/// States the limit of a correct disparity.
 std::string correctNote(const EvaluationReport& report) {
   const std::string px = shortNumber(report.scoring.correct_px * report.scoring.scale);
   return "(auc: of bad " + px + "; ece, brier: correct up to " + px + " px)";
 }
 
-/// A title and a table for each kind of mean; `text` turns cells into lines.
+/// A title and a table for each kind of mean; `text` formats the table.
 template <typename Text>
 std::string operatingTables(const EvaluationReport& report, const Text& text) {
   std::string tables;
@@ -176,7 +176,7 @@ std::string csvField(const std::string& text) {
   return quoted + "\"";
 }
 
-/// Ends of names of the columns of each operating point.
+/// Column name suffixes of each operating point.
 std::vector<std::string> csvPoints(const EvaluationReport& report) {
   std::vector<std::string> ends;
   ends.reserve(kMinConfidences.size() + 1);

@@ -10,10 +10,10 @@ namespace cbmv {
 /// 4).
 std::vector<std::vector<std::string>> middleburyFolds();
 
-/// Index in middleburyFolds. Throws Error that names a scene of no fold.
+/// Index in middleburyFolds. Throws Error with the scene if it is in no fold.
 std::size_t foldOf(const std::string& scene);
 
-/// These scenes, fold after fold. Errors as foldOf.
+/// The scenes sorted by fold. Errors as foldOf.
 std::vector<std::string> orderByFold(const std::vector<std::string>& scenes);
 
 }  // namespace cbmv

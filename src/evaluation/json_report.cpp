@@ -22,7 +22,7 @@ namespace {
 using Json = OrderedJson;
 
 constexpr std::uintmax_t kLargestFile = 64 << 20;
-constexpr int kVersion = 2;  ///< 1, which is not written: without sums
+constexpr int kVersion = 2;  ///< version 1 has no sums; it is read but not written
 
 Json numberToJson(double value) { return std::isnan(value) ? Json() : Json(value); }
 
@@ -50,7 +50,7 @@ MetricValues metricsFromJson(const Json& json) {
   return values;
 }
 
-/// A curve of SceneCurves, as reports call it.
+/// A curve of SceneCurves and its name in reports.
 struct Curve {
   const char* name;
   std::vector<double> SceneCurves::*values;
@@ -64,7 +64,7 @@ constexpr std::array<Curve, 3> kCurves = {{
 
 double rounded(double value) { return std::round(1e3 * value) / 1e3; }
 
-/// Those that are known, to three decimals.
+/// The known curves, with three decimals.
 Json curvesToJson(const SceneCurves& curves) {
   Json json;
   for (const Curve& curve : kCurves) {
@@ -94,7 +94,7 @@ Json axesToJson() {
   return json;
 }
 
-/// A number of a bin of ConfidenceProfile, as reports call it.
+/// An array of the bins of ConfidenceProfile and its name in reports.
 struct BinEntry {
   const char* name;
   double ConfidenceProfile::Bin::*value;
@@ -119,7 +119,7 @@ Json profileToJson(const ConfidenceProfile& profile) {
   return json;
 }
 
-/// Throws what is thrown for an entry that is missing when a list has another length.
+/// Throws the same exception for a list of wrong length as for a missing entry.
 ConfidenceProfile profileFromJson(const Json& json) {
   ConfidenceProfile profile;
   profile.pixels = json.at("pixels").get<double>();
@@ -134,7 +134,7 @@ ConfidenceProfile profileFromJson(const Json& json) {
   return profile;
 }
 
-/// A number of SigmaCoverage, as reports call it.
+/// A value of SigmaCoverage and its name in reports.
 struct SigmaEntry {
   const char* name;
   double SigmaCoverage::*value;
@@ -148,7 +148,7 @@ constexpr std::array<SigmaEntry, 5> kSigmaEntries = {{
     {"squared_sum", &SigmaCoverage::squared_sum},
 }};
 
-/// What is known.
+/// The known sums.
 Json sumsToJson(const PixelSums& sums) {
   Json json = Json::object();
   if (!sums.confidence.bins.empty()) {
@@ -252,7 +252,7 @@ Json meanToJson(const EvaluationReport& report, bool weighted) {
   return json;
 }
 
-/// Throws Error when the report is not of this version.
+/// Throws Error if the report has another version.
 void requireVersion(const Json& json, const std::string& path) {
   const int version = json.is_object() ? json.value("version", 1) : kVersion;
   if (version != kVersion) {

@@ -9,7 +9,7 @@
 
 namespace cbmv {
 
-/// Throws Error naming the map unless it has this type, CV_8UC1 or CV_32FC1, and size.
+/// Throws Error with the map's name unless it has the given size and type (CV_8UC1 or CV_32FC1).
 inline void requireMap(const cv::Mat& map, const char* name, int type, const cv::Size& size) {
   if (map.type() != type || map.size() != size) {
     throw Error(std::string("Cannot evaluate a disparity map: ") + name +
@@ -22,7 +22,7 @@ inline bool hasDisparity(float disparity, float invalid) {
   return disparity != invalid && std::isfinite(disparity);
 }
 
-/// Calls `use(y, x)` for every pixel that counts: the mask is 255 and the truth known. By rows.
+/// Calls `use(y, x)` row by row for every counted pixel: the mask is 255 and the truth is known.
 template <typename Use>
 void forCountedPixels(const cv::Mat& truth, const cv::Mat& mask, const Use& use) {
   for (int y = 0; y < truth.rows; ++y) {

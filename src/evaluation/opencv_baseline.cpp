@@ -9,12 +9,12 @@
 namespace cbmv {
 namespace {
 
-constexpr int kMultiple = 16;  // of disparities
+constexpr int kMultiple = 16;  // OpenCV requires multiples of 16 disparities
 constexpr int kBlockPx = 5;
 constexpr int kArea = kBlockPx * kBlockPx;
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 
-/// For each column the nearest known value at it or before it in the direction of the iterators.
+/// For each column, the last known value up to that column in iteration order.
 template <typename In, typename Out>
 void carryKnown(In begin, In end, Out out) {
   float known = kUnknown;

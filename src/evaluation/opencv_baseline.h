@@ -6,19 +6,19 @@
 
 namespace cbmv {
 
-/// How many disparities OpenCV's matchers search where `disparities` (at least 1) are wanted: the
-/// next multiple of 16, as they demand.
+/// Number of disparities that OpenCV's matchers search if `disparities` (at least 1) are requested:
+/// rounded up to a multiple of 16, which OpenCV requires.
 int openCvDisparities(int disparities);
 
-/// OpenCV's StereoSGBM as we compare with it: blocks of 5 × 5, P1 = 8 · 25 and P2 = 32 · 25, Sobel
-/// cut off at 63, uniqueness 10 %, left-right difference of at most 1 px, speckles below 100 px
-/// removed; over openCvDisparities(disparities) from 0 on.
+/// OpenCV's StereoSGBM as used for comparison: block size 5, P1 = 8 · 25, P2 = 32 · 25,
+/// preFilterCap 63, uniquenessRatio 10 %, disp12MaxDiff 1 px, speckles below 100 px removed. The
+/// range is openCvDisparities(disparities), starting at 0.
 cv::Ptr<cv::StereoSGBM> makeStereoSgbm(int disparities, int mode = cv::StereoSGBM::MODE_SGBM);
 
-/// makeStereoSgbm in MODE_SGBM (5 paths), the method that stereo_image_proc users have today, to
-/// stand beside ours in the same table; over the scene's own range. Holes, the columns at the left
-/// among them, are filled along the row: by the lower of the nearest disparities at both sides,
-/// which is the background's. Rows without any disparity stay without. No confidence.
+/// Runs makeStereoSgbm in MODE_SGBM (5 paths), the method of stereo_image_proc, over the scene's
+/// disparity range. Holes, including the columns at the left border, are filled along the row with
+/// the smaller of the nearest disparities on both sides, which belongs to the background. Rows
+/// without any disparity stay empty. Returns no confidence.
 DisparitySource stereoSgbmSource();
 
 }  // namespace cbmv

@@ -14,7 +14,8 @@ namespace {
 constexpr float kHighestErrorPx = 4.0F;
 constexpr float kUnknown = -1.0F;
 
-/// Of the truth, whose range is often much smaller than the one searched; else the latter's.
+/// The highest true disparity, because the searched range is often much larger; the range if no
+/// truth is known.
 float highestDisparity(const StereoScene& scene) {
   double highest = 0.0;
   if (!scene.truth.empty()) {

@@ -10,7 +10,7 @@ namespace {
 constexpr int kRows = 480;
 constexpr int kColumns = 640;
 constexpr int kFirstColumn = 80;
-constexpr int kPitchPx = 68;  ///< from pole to pole
+constexpr int kPitchPx = 68;  ///< distance between poles
 
 cv::Mat makeTexture(int columns, double mean, double contrast, cv::RNG& random) {
   cv::Mat noise(kRows, columns, CV_32FC1);

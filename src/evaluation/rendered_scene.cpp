@@ -8,7 +8,7 @@
 namespace cbmv {
 namespace {
 
-/// Band-limited brightness: a sum of waves of random directions, 4 to 30 px long.
+/// Band-limited brightness: a sum of waves with random directions, wavelength 4 to 30 px.
 class Texture {
  public:
   explicit Texture(cv::RNG& rng) {
@@ -38,16 +38,17 @@ class Texture {
   double mean_ = 0.0;
 };
 
-/// A textured piece of a plane. Shape, disparity and texture are functions of left coordinates.
+/// A textured part of a plane. Shape, disparity and texture are functions of left image
+/// coordinates.
 struct Surface {
   enum class Shape { kEverywhere, kRectangle, kDisc };
 
   Shape shape;
   cv::Point2d center;    ///< px
   cv::Size2d half_size;  ///< px; for a disc, the width is the radius
-  double disparity;      ///< at the centre, px
-  double slope_x;        ///< px of disparity a column, below 1
-  double slope_y;        ///< px of disparity a row
+  double disparity;      ///< at the center, px
+  double slope_x;        ///< px of disparity per column, below 1
+  double slope_y;        ///< px of disparity per row
   Texture texture;
 
   double disparityAt(double x, double y) const {
@@ -67,14 +68,15 @@ struct Surface {
     }
   }
 
-  /// The left column that lands at column `x_right`, on a row of the left image.
+  /// Left column that is projected to column `x_right`, on a row of the left image.
   double leftColumn(double x_right, double y) const {
     const double at_center_column = disparity - slope_x * center.x + slope_y * (y - center.y);
     return (x_right + at_center_column) / (1.0 - slope_x);
   }
 };
 
-/// A slanted background of about 2 to 5 px of disparity and six objects before it, up to 25 px.
+/// A slanted background of about 2 to 5 px of disparity and six objects in front of it, up to 25
+/// px.
 std::vector<Surface> surfaces(int width, int height, int seed) {
   cv::RNG rng(static_cast<uint64_t>(seed) + 1);
   const cv::Point2d middle(0.5 * (width - 1), 0.5 * (height - 1));
@@ -94,7 +96,7 @@ std::vector<Surface> surfaces(int width, int height, int seed) {
   return all;
 }
 
-/// The nearest surface, where `column(surface)` is the left column at which a ray meets it.
+/// The nearest surface. `column(surface)` is the left column where the ray meets the surface.
 template <typename Column>
 const Surface& nearest(const std::vector<Surface>& all, double y, Column column) {
   const Surface* best = &all.front();
@@ -118,8 +120,9 @@ void addNoise(cv::Mat& image, double sigma, int seed) {
   image += noise;
 }
 
-/// Row of the left image that lands at (x, y) of the right one: y_left + dy(x, y_left) = y. As dy
-/// changes little from row to row, each step leaves a hundredth of the error or less.
+/// Row of the left image that is projected to (x, y) in the right one: solves y_left + dy(x,
+/// y_left) = y. dy changes slowly with the row, so each iteration reduces the error at least 100
+/// times.
 double leftRow(const RenderOptions& options, double x, double y, const cv::Size& size) {
   constexpr int steps = 6;
   const double u = x - 0.5 * (size.width - 1);

@@ -11,7 +11,7 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kInlierPx = 1.0;
 
-/// What is compared, at the scale of the thresholds.
+/// Maps and truth, scaled for the thresholds.
 struct Comparison {
   SceneMaps maps;
   cv::Mat truth;
@@ -31,7 +31,7 @@ Comparison compare(const StereoScene& scene, const SceneMaps& maps, const ScoreO
   return scaled;
 }
 
-/// The measures over the pixels of one mask.
+/// All measures over the pixels of one mask.
 struct PixelScore {
   DisparityError error;
   Sparsification sparsification{{}, {}, kNotMeasured, kNotMeasured};
@@ -55,13 +55,13 @@ PixelScore scorePixels(const Comparison& compared, const cv::Mat& mask) {
   return score;
 }
 
-/// The last of kMetrics.
+/// Indices of the last metrics in kMetrics.
 constexpr std::size_t kEce = 13;
 constexpr std::size_t kSigma1 = 15;
 constexpr std::size_t kSigma2 = 16;
 constexpr std::size_t kSigmaRms = 17;
 
-/// The metrics of the pixels of all scenes together.
+/// Sets the metrics that are computed over the pixels of all scenes together.
 void setPooled(const PixelSums& sums, MetricValues& values) {
   values[kEce] = calibrationError(sums.confidence);
   values[kSigma1] = sums.sigma.withinOne();
@@ -95,7 +95,7 @@ void addSums(const PixelSums& scene, double weight, PixelSums& sum) {
   addCoverage(scene.sigma, weight, sum.sigma);
 }
 
-/// The points at kKeptPercents of a curve over 1 … 100 percent.
+/// Samples a curve over 1 … 100 percent at kKeptPercents.
 std::vector<double> thinned(const std::vector<double>& curve) {
   std::vector<double> points;
   for (const int percent : kKeptPercents) {
@@ -106,7 +106,7 @@ std::vector<double> thinned(const std::vector<double>& curve) {
   return points;
 }
 
-/// Adds `share` of every number of `score`.
+/// Adds `share` times every value of `score`.
 void add(const SceneScore& score, double share, SceneScore& sum) {
   for (std::size_t m = 0; m < kMetrics.size(); ++m) {
     sum.noc[m] += share * score.noc[m];

@@ -32,12 +32,12 @@ std::vector<Pixel> countedPixels(const cv::Mat& disparity, const cv::Mat& confid
   return pixels;
 }
 
-/// Percent of bad pixels among the first k + 1 percent of the pixels by falling confidence.
+/// Percent of bad pixels among the k + 1 percent most confident pixels.
 std::vector<double> curve(std::vector<Pixel> pixels) {
   std::sort(pixels.begin(), pixels.end(),
             [](const Pixel& a, const Pixel& b) { return a.confidence > b.confidence; });
   std::vector<double> bad_percent;
-  double bad_before = 0.0;  // among the pixels before `begin`
+  double bad_before = 0.0;  // bad pixels before `begin`
   for (std::size_t begin = 0; begin < pixels.size();) {
     std::size_t end = begin;
     double bad = 0.0;

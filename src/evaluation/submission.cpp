@@ -19,14 +19,14 @@
 
 namespace cbmv {
 
-/// Where a scene's files lie in an upload and how they end.
+/// File layout of an upload.
 struct SubmissionFormat {
   const char* kind;         ///< of the data set
-  const char* folder;       ///< before the scene's name
-  const char* map;          ///< end of the map's path; .png: 16 bits
-  const char* sparse_map;   ///< the same where a pixel has no disparity
-  const char* time;         ///< end of the path of the time; "": none is wanted
-  const char* time_prefix;  ///< before the seconds
+  const char* folder;       ///< precedes the scene's name
+  const char* map;          ///< suffix of the map's path; .png: 16 bits
+  const char* sparse_map;   ///< the same if some pixels have no disparity
+  const char* time;         ///< suffix of the path of the time file; "": no time file
+  const char* time_prefix;  ///< text before the seconds
 };
 
 namespace {
@@ -51,7 +51,7 @@ const SubmissionFormat& findFormat(const DataSet& data_set) {
   return *format;
 }
 
-/// The letter after "training" or "test" in Middlebury's own names of its folders.
+/// The letter after "training" or "test" in Middlebury's folder names.
 char findResolution(const DataSet& data_set) {
   const fs::path folder = fs::absolute(fs::path(data_set.folder()) / ".").lexically_normal();
   const char letter = folder.parent_path().filename().string().back();
@@ -74,7 +74,7 @@ bool isDense(const cv::Mat& disparity) {
                      [](float value) { return std::isfinite(value); });
 }
 
-/// Not finite becomes infinity.
+/// Replaces values that are not finite by infinity.
 cv::Mat withInfinities(const cv::Mat& disparity) {
   cv::Mat map = disparity.clone();
   std::replace_if(
@@ -103,7 +103,7 @@ void SubmissionWriter::write(const StereoScene& scene, const SceneMaps& maps) co
   const std::string dense = pathOf(scene.name, format_->map);
   const std::string sparse = pathOf(scene.name, format_->sparse_map);
   makeFolder(fs::path(dense).parent_path().string());
-  fs::remove(dense);  // of an earlier run, which may have been the other one
+  fs::remove(dense);  // an earlier run may have written the other kind
   fs::remove(sparse);
   const std::string& path = isDense(maps.disparity) ? dense : sparse;
   if (fs::path(path).extension() == ".png") {

@@ -17,7 +17,7 @@
 namespace cbmv {
 namespace {
 
-constexpr double kLargeOffsetPx = 0.5;  // rows of a rectified pair are closer than this
+constexpr double kLargeOffsetPx = 0.5;  // limit for the rows of a rectified pair
 constexpr int kTimedFrames = 3;
 
 template <typename... Values>
@@ -40,8 +40,8 @@ void describeBags(const BagSet& bags, const FramePlan& plan, BagCheck& check) {
 }
 
 void describePairs(const FramePlan& plan, BagCheck& check) {
-  check.text += "pairs: " + plan.topics.left.name + " and " + plan.topics.right.name +
-                "\n  " + plan.topics.rectification + "\n" +
+  check.text += "pairs: " + plan.topics.left.name + " and " + plan.topics.right.name + "\n  " +
+                plan.topics.rectification + "\n" +
                 format("  %zu left and %zu right images, %zu pairs, %zu to process\n",
                        plan.left_images, plan.right_images, plan.pairs, plan.frames.size());
   const PlanProblems problems = findProblems(plan);
@@ -85,7 +85,7 @@ void describeCalibration(const PreparedPair& frame, const VerticalOffsetMeasurem
 void describeCost(const FramePlan& plan, FrameProcessor& processor, const PreparedPair& frame,
                   const VerticalOffset& vertical_offset, BagCheck& check) {
   GivenOffset offset(vertical_offset);
-  processor.match(frame, offset);  // the first one takes its memory
+  processor.match(frame, offset);  // the first frame allocates memory
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
   for (int i = 0; i < kTimedFrames; ++i) {
@@ -102,7 +102,7 @@ void describeCost(const FramePlan& plan, FrameProcessor& processor, const Prepar
       1000 * check.matching_s, 1000 * check.processor_s, 1 / check.matching_s, std::ceil(all_s));
 }
 
-/// The frame in the middle; none, and a problem, if it cannot be used.
+/// The middle frame; none, and a problem, if it cannot be used.
 std::optional<PreparedFrame> prepareOne(const FramePlan& plan, const FrameProcessor& processor,
                                         bool allow_different_frame_ids, BagCheck& check) {
   if (plan.frames.empty()) {
@@ -134,14 +134,15 @@ BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const
   const BagSet bags(options.inputs);
   const FramePlan plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
   compressionOf(options.compression);
-  const FrameOutputs outputs(options.outputs, plan.topics);  // refuses what processing refuses
+  const FrameOutputs outputs(options.outputs,
+                             plan.topics);  // rejects the same options as processing
   BagCheck check;
   check.frames = plan.frames.size();
   describeBags(bags, plan, check);
   describePairs(plan, check);
   if (plan.topics.left.raw && !plan.frames.empty()) {
-    const std::string warning = doubleRectificationWarning(plan.topics, plan.frames.front(),
-                                                           options.matching.stereo);
+    const std::string warning =
+        doubleRectificationWarning(plan.topics, plan.frames.front(), options.matching.stereo);
     if (!warning.empty()) {
       check.problems.push_back(warning);
     }

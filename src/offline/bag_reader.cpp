@@ -17,11 +17,12 @@ namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::size_t kCachedChunks = 8;
-constexpr std::uint64_t kWindowBytes = 1 << 16;    // of the file while it is looked through
-constexpr std::uint32_t kLargestText = 64 << 20;   // bytes of a record's header, or of a connection
-constexpr std::uint32_t kStampOffset = 4;          // a header begins with its sequence number
-constexpr std::uint32_t kLargestChunk = 1U << 30;  // bytes unpacked; rosbag makes them of 768 kB
-constexpr std::uint64_t kLargestLz4Ratio = 255;  // of the format: a byte stands for at most so many
+constexpr std::uint64_t kWindowBytes = 1 << 16;  // part of the file in memory during the scan
+constexpr std::uint32_t kLargestText = 64
+                                       << 20;  // limit for a record header or a connection, bytes
+constexpr std::uint32_t kStampOffset = 4;      // a header begins with seq
+constexpr std::uint32_t kLargestChunk = 1U << 30;  // unpacked bytes; rosbag writes 768 kB
+constexpr std::uint64_t kLargestLz4Ratio = 255;    // LZ4 expands a byte to at most this many
 
 template <typename Value>
 Value readValue(const std::uint8_t* bytes) {
@@ -30,7 +31,7 @@ Value readValue(const std::uint8_t* bytes) {
   return value;
 }
 
-/// What is no time that ROS can express becomes the nearest one that rosbag can write.
+/// Clamps times that ros::Time cannot express to the range that rosbag can write.
 ros::Time readTime(const std::uint8_t* bytes) {
   constexpr std::uint64_t second_ns = 1000000000;
   const std::uint64_t time =
@@ -42,7 +43,7 @@ ros::Time readTime(const std::uint8_t* bytes) {
 
 using Fields = std::map<std::string, std::string>;
 
-/// Of a file, of which a window is held.
+/// Reads from a file through a window in memory.
 BytesAt bytesOf(const InputFile& file) {
   return [&file, window = std::vector<std::uint8_t>(), first = std::uint64_t{0}](
              std::uint64_t offset, std::uint64_t size) mutable {
@@ -59,7 +60,7 @@ BytesAt bytesOf(const std::vector<std::uint8_t>& memory) {
   return [&memory](std::uint64_t offset, std::uint64_t) { return memory.data() + offset; };
 }
 
-/// A record whose bytes are all there.
+/// A completely available record.
 struct Record {
   Fields fields;
   std::uint64_t data_offset = 0;
@@ -88,7 +89,7 @@ bool readFields(const std::uint8_t* data, std::uint32_t data_size, Fields& field
   return true;
 }
 
-/// False if there is no whole record between `begin` and `end`.
+/// Returns false if there is no complete record between `begin` and `end`.
 bool readRecord(const BytesAt& bytes, std::uint64_t begin, std::uint64_t end, Record& record) {
   record.fields.clear();
   record.op = 0;
@@ -120,7 +121,7 @@ std::string textField(const Fields& fields, const std::string& name) {
   return found == fields.end() ? std::string() : found->second;
 }
 
-/// The number in a field; 0 where there is none.
+/// The number in a field; 0 if the field is missing.
 std::uint32_t numberField(const Record& record, const std::string& name) {
   const auto found = record.fields.find(name);
   return found == record.fields.end() || found->second.size() < 4
@@ -164,8 +165,9 @@ void BagReader::walkFile() {
   while (readRecord(bytes, begin, file_.size(), record)) {
     if (record.op == rosbag::OP_FILE_HEADER) {
       if (!textField(record.fields, rosbag::ENCRYPTOR_FIELD_NAME).empty()) {
-        throw Error(path_ + " is encrypted, expected a bag that is not. Decrypt it with `rosbag "
-                            "decrypt`, on a machine that has the key.");
+        throw Error(path_ +
+                    " is encrypted, expected a bag that is not. Decrypt it with `rosbag "
+                    "decrypt`, on a machine that has the key.");
       }
       indexed = numberField(record, rosbag::INDEX_POS_FIELD_NAME) != 0;
     } else if (record.op == rosbag::OP_CHUNK) {
@@ -182,7 +184,7 @@ void BagReader::walkFile() {
     begin = record.end();
   }
   if (begin != file_.size()) {
-    // A chunk that is cut off, if it is not compressed, has whole messages at its beginning.
+    // A truncated uncompressed chunk still has complete messages at its beginning.
     if (record.op == rosbag::OP_CHUNK &&
         textField(record.fields, rosbag::COMPRESSION_FIELD_NAME) == rosbag::COMPRESSION_NONE) {
       walkRecords(bytes, record.data_offset, file_.size(), -1, findings_[0]);

@@ -17,26 +17,26 @@
 
 namespace cbmv {
 
-/// Where a message lies in a bag.
+/// Position of a message in a bag.
 struct BagEntry {
-  ros::Time time;                ///< when it was recorded
-  ros::Time stamp;               ///< of the header, where the type of the message begins with one
+  ros::Time time;                ///< recording time
+  ros::Time stamp;               ///< header stamp, if the message type begins with a header
   std::uint32_t connection = 0;  ///< index into BagReader::connections
-  std::int32_t chunk = -1;       ///< index of the compressed chunk it lies in; −1: in none
-  std::uint64_t offset = 0;      ///< of the bytes: in the chunk once unpacked, or in the file
+  std::int32_t chunk = -1;       ///< index of its compressed chunk; −1: not in a compressed chunk
+  std::uint64_t offset = 0;      ///< position in the unpacked chunk or in the file, bytes
   std::uint32_t size = 0;        ///< bytes
 };
 
-/// Gives bytes that are there; they live until the next call.
+/// Returns a pointer to existing bytes, valid until the next call.
 using BytesAt = std::function<const std::uint8_t*(std::uint64_t offset, std::uint64_t size)>;
 
-/// Reads a bag of version 2.0, http://wiki.ros.org/Bags/Format/2.0, from its records alone: it
-/// needs no index, so it reads what there is of bags that are still being recorded, or were cut
-/// off.
+/// Reads a bag of version 2.0, http://wiki.ros.org/Bags/Format/2.0. It scans the records and needs
+/// no index, so it also reads the intact part of bags that are still being recorded or are
+/// truncated.
 class BagReader {
  public:
-  /// Looks through the whole bag, on all cores where it is compressed. Throws Error if it cannot be
-  /// read, is no such bag, or is encrypted.
+  /// Scans the whole bag, on all cores if it is compressed. Throws Error if it cannot be read, is
+  /// not a bag of version 2.0, or is encrypted.
   explicit BagReader(const std::string& path);
 
   const std::string& path() const { return path_; }
@@ -44,13 +44,13 @@ class BagReader {
   const std::vector<std::shared_ptr<const BagConnection>>& connections() const {
     return connections_;
   }
-  /// All messages in the order of their time.
+  /// All messages, sorted by recording time.
   const std::vector<BagEntry>& entries() const { return entries_; }
-  /// One sentence if not all of the bag could be read, or it lacks its index; else empty.
+  /// A message if a part of the bag could not be read or its index is missing; else empty.
   const std::string& damage() const { return damage_; }
 
-  /// May be called by several threads at once. The bytes live as long as the message. Throws Error
-  /// if the chunk cannot be unpacked, or the file has become shorter or cannot be read any more.
+  /// Thread-safe. The bytes live as long as the returned message. Throws Error if the chunk cannot
+  /// be unpacked, or if the file is truncated or unreadable since it was opened.
   RawMessage read(const BagEntry& entry) const;
 
  private:
@@ -59,11 +59,11 @@ class BagReader {
   /// A chunk record.
   struct Chunk {
     std::string compression;
-    std::uint64_t offset = 0;  ///< of the packed bytes in the file
+    std::uint64_t offset = 0;  ///< of the compressed bytes in the file
     std::uint32_t packed_size = 0;
     std::uint32_t size = 0;
   };
-  /// What a part of the file holds; connections by the numbers that the file gives them.
+  /// Content of a part of the file; connections by their number in the file.
   struct Findings {
     std::map<std::uint32_t, std::shared_ptr<const BagConnection>> connections;
     std::vector<BagEntry> entries;
@@ -81,14 +81,14 @@ class BagReader {
 
   std::string path_;
   InputFile file_;
-  std::vector<Chunk> chunks_;  ///< the compressed ones
+  std::vector<Chunk> chunks_;  ///< compressed chunks only
   std::vector<std::shared_ptr<const BagConnection>> connections_;
   std::vector<BagEntry> entries_;
   std::string damage_;
-  std::vector<Findings> findings_;  ///< while the bag is looked through
+  std::vector<Findings> findings_;  ///< used during the scan only
 
   mutable std::mutex cache_mutex_;
-  mutable std::list<std::pair<std::int32_t, Bytes>> cache_;  ///< the newest unpacked chunks
+  mutable std::list<std::pair<std::int32_t, Bytes>> cache_;  ///< the most recently unpacked chunks
 };
 
 }  // namespace cbmv

@@ -21,7 +21,7 @@ Error cannotWrite(const std::string& path, const std::string& reason) {
                (cause != 0 ? std::strerror(cause) : reason.c_str()));
 }
 
-/// Calls body() and makes what it throws an Error that names the file.
+/// Calls body() and converts its exceptions to an Error with the file.
 template <typename Body>
 void nameFile(const std::string& path, const Body& body) {
   errno = 0;
@@ -63,8 +63,8 @@ BagWriter::~BagWriter() {
   try {
     bag_->close();
   } catch (const std::exception&) {
-    // The destructor of a bag closes it again, which throws again: leave it to the end of the
-    // process. Its file is removed all the same.
+    // The destructor of a bag closes it again, which throws again. So the bag is leaked; its file
+    // is still removed.
     static_cast<void>(bag_.release());
   }
   std::error_code ignored;

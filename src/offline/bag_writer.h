@@ -10,22 +10,22 @@
 
 namespace cbmv {
 
-/// Compression by the name that users give it: none, lz4, bz2. Throws Error for others.
+/// Parses a compression name: none, lz4, bz2. Throws Error for others.
 rosbag::CompressionType compressionOf(const std::string& name);
 
-/// Writes a bag that has its name only once it is complete and on the disk.
+/// Writes a bag under a temporary name and renames it when it is complete and on disk.
 class BagWriter {
  public:
-  /// Writes to `path` with ".writing" behind it.
+  /// Writes to `path`.writing.
   BagWriter(std::string path, rosbag::CompressionType compression);
-  /// What has not been finished is removed.
+  /// Removes an unfinished bag.
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// Throws Error that names the file and the cause: a full disk, as a rule.
+  /// Throws Error with the file and the cause (usually a full disk).
   void write(const RawMessage& message, const ros::Time& time);
-  /// Closes, waits for the disk, and gives the file its name. Throws Error likewise.
+  /// Closes the bag, syncs it to disk and renames it. Errors as write().
   void finish(const std::string& final_name);
   void finish() { finish(path_); }
 
@@ -35,7 +35,7 @@ class BagWriter {
   std::unique_ptr<rosbag::Bag> bag_;
 };
 
-/// Waits until the file, or the folder's list of files, is on the disk. Throws Error.
+/// Syncs a file, or a folder's list of files, to disk. Throws Error.
 void syncToDisk(const std::string& path);
 
 }  // namespace cbmv

@@ -26,8 +26,8 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Which images, and how they are rectified. Calibrations by their numbers: files may lie elsewhere
-/// on other machines.
+/// Describes the image topics and their rectification. Calibration files are described by content,
+/// because their paths differ between machines.
 std::string describeCamera(const CameraTopics& topics) {
   std::ostringstream text;
   text.precision(std::numeric_limits<double>::max_digits10);
@@ -51,7 +51,7 @@ std::string describeCamera(const CameraTopics& topics) {
   return text.str();
 }
 
-/// Everything that the frames of the output depend on, of whatever folder and machine.
+/// Everything the frames depend on, independent of folder and machine.
 std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
                            const BagSet& bags, const Forest& forest,
                            const std::vector<std::string>& output_topics) {
@@ -84,7 +84,7 @@ std::string describeOrigin(const ConversionOptions& options, const FramePlan& pl
   return text.str();
 }
 
-/// The messages of other topics in the part of the recording that is processed.
+/// The messages of other topics in the processed part of the bag.
 std::vector<BagMessage> otherMessages(const BagSet& bags, const FramePlan& plan,
                                       const std::vector<std::string>& output_topics) {
   std::vector<BagMessage> others;
@@ -103,7 +103,7 @@ int threadsOf(const StereoOptions& options) {
                              : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Frames of the parts for which nothing was written.
+/// Number of frames in the parts without messages.
 std::size_t countFailed(const Segments& segments, const std::string& any_topic) {
   std::size_t written = 0;
   for (const std::string& path : segments.paths()) {
@@ -132,7 +132,7 @@ void mergeParts(const ConversionOptions& options, const BagSet& bags,
   segments.remove();
 }
 
-/// Cuts the plan to the shard that is asked for.
+/// Limits the plan to the requested shard.
 std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const std::string& origin,
                                       bool damaged, FramePlan& plan) {
   if (!options.shard) {
@@ -143,7 +143,7 @@ std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const st
   return ShardLabel{*options.shard, plan.first, plan.frames.size(), 0, damaged, origin + copies};
 }
 
-/// Runs the pipeline; when the output cannot be written, what was written before is kept.
+/// Runs the pipeline. If writing fails, the frames written until then are kept.
 PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
                           const ConversionSummary& summary) {
   try {
@@ -157,7 +157,7 @@ PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
   }
 }
 
-/// Makes the frames that are not in the parts yet.
+/// Processes the frames that are not in the parts yet.
 void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
@@ -216,7 +216,7 @@ std::string rowsWarning(const CameraTopics& topics, const PlannedFrame& first,
   return rectified_twice.empty() ? misalignedRowsWarning(topics, first, options) : rectified_twice;
 }
 
-/// What is to be done, nothing of which is done yet.
+/// Plans the work without doing any of it.
 ConversionSummary planConversion(const ConversionOptions& options, const BagSet& bags) {
   ConversionSummary summary;
   summary.damages = bags.damages();
@@ -239,7 +239,8 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
   return summary;
 }
 
-/// Makes the output of the parts. A bag without a single result would look like one.
+/// Creates the output from the parts. If all frames failed, no bag is written, because it would
+/// look like a result.
 void finishOutput(const ConversionOptions& options, const BagSet& bags, const FrameOutputs& outputs,
                   const std::optional<ShardLabel>& label, const FrameFiles* files,
                   Segments& segments, ConversionSummary& summary) {
@@ -251,7 +252,7 @@ void finishOutput(const ConversionOptions& options, const BagSet& bags, const Fr
     files->writeIndex(segments.paths());
     segments.remove();
   } else if (all_failed && !label) {
-    // After a resumed run, the reasons of the frames before are not known any more.
+    // After resuming, the reasons for earlier failures are unknown.
     const auto& failures = summary.failures;
     summary.problems.push_back("all frames failed" +
                                (failures.empty() ? "" : ": " + failures.begin()->first));
@@ -263,7 +264,7 @@ void finishOutput(const ConversionOptions& options, const BagSet& bags, const Fr
   summary.was_written = true;
 }
 
-/// Writes what a frame has become, and tells how far it is.
+/// Writes a frame and reports the progress.
 decltype(PipelineParts::write) writerOf(Segments& segments, const ConversionEvents& events,
                                         const ConversionSummary& summary) {
   return [&segments, &events, done = summary.resumed, total = summary.plan.framesToProcess()](
@@ -280,7 +281,7 @@ decltype(PipelineParts::write) writerOf(Segments& segments, const ConversionEven
 ConversionSummary convertBags(const ConversionOptions& options,
                               const std::shared_ptr<const Forest>& forest,
                               const ConversionEvents& events) {
-  requireFitting(options);  // before anything is done
+  requireFitting(options);  // before any other work
   const BagSet bags(options.inputs);
   ConversionSummary summary = planConversion(options, bags);
   if (summary.plan.frames.empty() && !options.shard) {

@@ -18,63 +18,62 @@ namespace cbmv {
 
 struct ConversionOptions {
   std::vector<std::string> inputs;
-  std::string output;  ///< the bag, or the folder
-  /// Of the files in the folder; none: a bag.
+  std::string output;  ///< bag or folder
+  /// Format of the files in the folder; not set: write a bag.
   std::optional<DisparityFormat> files;
   std::vector<std::string> outputs = {"disparity"};  ///< see offlineOutputNames
   std::string compression = "none";
-  bool copy = false;  ///< the other topics of the input, too
+  bool copy = false;  ///< copy the other topics of the input
   EarlierParts earlier = EarlierParts::kRefuse;
   std::size_t frames_per_part = 50;
   TopicChoice topics;
   PlanOptions plan;
-  std::optional<Shard> shard;  ///< of the plan; the output is for mergeShards then
+  std::optional<Shard> shard;  ///< shard of the plan to process; mergeShards combines the outputs
   MatchingOptions matching;
 };
 
-/// What became of a recording.
+/// Result of processing bags.
 struct ConversionSummary {
   FramePlan plan;
-  std::size_t resumed = 0;  ///< frames that an earlier run has made
+  std::size_t resumed = 0;  ///< frames done by an earlier run
   std::size_t processed = 0;
-  std::map<std::string, std::size_t> failures;  ///< frames of this run that failed, by the reason
-  std::size_t failed = 0;                       ///< the same with those of earlier runs
-  std::vector<std::string> damages;             ///< of the input
-  bool interrupted = false;                     ///< the output is not complete
+  std::map<std::string, std::size_t> failures;  ///< failed frames of this run by reason
+  std::size_t failed = 0;                       ///< failed frames of this and earlier runs
+  std::vector<std::string> damages;             ///< damages of the input
+  bool interrupted = false;                     ///< the output is incomplete
   bool was_complete = false;                    ///< nothing was left to resume
-  bool was_written = false;                     ///< the output is there
-  std::vector<std::string> problems;            ///< that left frames undone
-  std::vector<std::string> warnings;            ///< that make results doubtful
-  double seconds = 0;                           ///< from the first frame of this run to the last
-  double matching_seconds = 0;                  ///< that the matcher was busy
-  double cpu_seconds = 0;                       ///< of processor in `seconds`, of all threads
+  bool was_written = false;                     ///< the output exists
+  std::vector<std::string> problems;            ///< reasons why frames were not processed
+  std::vector<std::string> warnings;            ///< reasons why results may be wrong
+  double seconds = 0;           ///< wall time from the first frame of this run to the last
+  double matching_seconds = 0;  ///< wall time of matching
+  double cpu_seconds = 0;       ///< CPU time in `seconds`, all threads
   int threads = 0;
 
-  /// Whether all that could be expected of the recording is in the output.
+  /// Whether the output contains everything that can be expected from the input.
   bool isComplete() const {
     return !interrupted && failed == 0 && damages.empty() && problems.empty();
   }
 };
 
-/// What a conversion tells its caller while it runs; may be called by several threads, one at a
-/// time.
+/// Callbacks during processing. Different threads may call them, but never two at a time.
 struct ConversionEvents {
-  /// Before the first frame, with what is known until then: plan and warnings.
+  /// Called before the first frame with plan and warnings.
   std::function<void(const ConversionSummary& summary)> begin;
   std::function<void(std::size_t done, std::size_t total)> progress;
-  std::function<bool()> should_stop;  ///< asked before each frame
+  std::function<bool()> should_stop;  ///< called before each frame
 };
 
-/// Processes bags. Reading and preparing, matching, and writing overlap; the memory is that of a
-/// few frames. The output holds the same whatever the number of threads, and however often the
-/// conversion was stopped and resumed. Where there is no frame to process, or all fail, no bag is
-/// written. Throws Error if the input or the options cannot be used, if the output is one of the
-/// inputs, or if it cannot be written.
+/// Processes bags. Reading and preparing, matching, and writing overlap. Only a few frames are in
+/// memory. The output does not depend on the number of threads or on how often processing was
+/// stopped and resumed. No bag is written if there is no frame to process or all frames fail.
+/// Throws Error if the input or the options are invalid, if the output is one of the inputs, or if
+/// it cannot be written.
 ConversionSummary convertBags(const ConversionOptions& options,
                               const std::shared_ptr<const Forest>& forest,
                               const ConversionEvents& events);
 
-/// One or more lines for people.
+/// One or more lines for the user.
 std::string describeSummary(const ConversionSummary& summary);
 
 /// The same as a JSON object.

@@ -13,8 +13,8 @@
 namespace cbmv {
 namespace {
 
-// Rows of a rectified pair are closer than the first; of a raw pair they hardly ever are. Sub-pixel
-// noise alone does not reach the second.
+// Rows of a rectified pair are usually closer than kRectifiedPx, rows of a raw pair are not.
+// kNoticeablePx is above the noise of subpixel matching.
 constexpr double kRectifiedPx = 1.0;
 constexpr double kNoticeablePx = 0.2;
 constexpr double kClearlyWorse = 2.0;
@@ -58,7 +58,7 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
                   apart.data(), before.rms_before_px, cause);
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
-    return {};  // it is said of the frame itself
+    return {};  // reported when the frame itself is processed
   }
 }
 
@@ -79,7 +79,7 @@ std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame
                       : "Use --rectified no for raw images, else calibrate the cameras.");
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
-    return {};  // it is said of the frame itself
+    return {};  // reported when the frame itself is processed
   }
 }
 

@@ -8,15 +8,15 @@
 
 namespace cbmv {
 
-/// Rectifying images that are rectified already, or by a calibration that is not theirs, spoils
-/// them without a word: one message if the rows of the pair are clearly farther apart after
-/// rectification than before; else, and where that cannot be measured, empty. Of topics that are
-/// raw.
+/// Detects raw topics whose images are already rectified, or rectified by the wrong calibration.
+/// Returns a message if the rows of the pair are clearly farther apart after rectification than
+/// before. Returns an empty string otherwise, also if the offset cannot be measured.
 std::string doubleRectificationWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                        const StereoOptions& options);
 
-/// One message if the rows of the pair, as it is matched, are more than 1 px apart, as those of raw
-/// images that are taken as rectified; else, and where that cannot be measured, empty.
+/// Returns a message if the rows of the pair as matched are more than 1 px apart, which happens if
+/// raw images are treated as rectified. Returns an empty string otherwise, also if the offset
+/// cannot be measured.
 std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                   const StereoOptions& options);
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDone = "done";
 constexpr const char* kFailed = "failed";
-constexpr const char* kUnfinished = ".unfinished.";  // before the name of a file
+constexpr const char* kUnfinished = ".unfinished.";  // prefix of a temporary file name
 
 std::string stampText(const ros::Time& stamp) {
   std::array<char, 32> text{};
@@ -35,7 +35,7 @@ std::string fileName(std::size_t frame, const ros::Time& stamp, const std::strin
   return number.data() + stampText(stamp) + extension;
 }
 
-/// A field as CSV has it.
+/// Quotes a CSV field.
 std::string csvField(const std::string& text) {
   std::string field = "\"";
   for (const char c : text) {
@@ -59,7 +59,7 @@ void rename(const std::string& from, const std::string& to) {
   }
 }
 
-/// Files that are not complete.
+/// Temporary files.
 class Unfinished {
  public:
   explicit Unfinished(std::vector<std::string> paths) : paths_(std::move(paths)) {}
@@ -154,7 +154,7 @@ void FrameFiles::writeIndex(const std::vector<std::string>& parts) const {
   for (const std::string& part : parts) {
     const BagReader reader(part);
     std::vector<BagEntry> entries = reader.entries();
-    std::sort(entries.begin(), entries.end(),  // as they were written; times need not be in order
+    std::sort(entries.begin(), entries.end(),  // in the order of writing; times may be out of order
               [](const BagEntry& a, const BagEntry& b) { return a.offset < b.offset; });
     for (const BagEntry& entry : entries) {
       text += fromRawMessage<std_msgs::String>(reader.read(entry))->data;

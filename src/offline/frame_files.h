@@ -9,28 +9,28 @@
 
 namespace cbmv {
 
-/// The frames of a recording as files, DIR/OUTPUT/FRAME_STAMP.EXTENSION, and DIR/index.csv, one
-/// line a frame. The parts of Segments then hold these lines alone.
+/// Writes the frames of a bag as files DIR/OUTPUT/FRAME_STAMP.EXTENSION, and DIR/index.csv with one
+/// line per frame. The parts of Segments then contain only these lines.
 class FrameFiles {
  public:
-  /// Makes the folder DIR. Throws Error that names it if it cannot be made.
+  /// Creates the folder DIR. Throws Error with its path on failure.
   FrameFiles(const std::string& folder, const FrameOutputs& outputs, DisparityFormat format);
 
-  /// Of the index, which is there once all frames are.
+  /// Path of the index, which is written after all frames.
   std::string indexPath() const;
-  /// Makes the folders of the outputs; `anew`: removes the files of earlier runs. Throws Error.
+  /// Creates the folders of the outputs. `anew`: removes the files of earlier runs. Throws Error.
   void begin(bool anew) const;
 
-  /// Writes the files of a frame, each under another name until it is complete, and returns its
-  /// line. May be called by several threads at once. Throws Error that names the file.
+  /// Writes the files of a frame and returns its index line. Each file has a temporary name until
+  /// it is complete. Thread-safe. Throws Error with the file.
   RawMessage write(std::size_t frame, const PreparedFrame& prepared,
                    const ProcessedFrame& processed);
-  /// The line of a frame that failed.
+  /// The index line of a failed frame.
   RawMessage failed(std::size_t frame, const ros::Time& stamp, const std::string& reason) const;
-  /// Topic of the lines of write().
+  /// Topic of the lines from write().
   static const char* doneTopic();
 
-  /// Waits until what has been written is on the disk. Throws Error.
+  /// Syncs all written files to disk. Throws Error.
   void sync();
   /// Writes the index from the lines in the parts. Throws Error.
   void writeIndex(const std::vector<std::string>& parts) const;
@@ -43,7 +43,7 @@ class FrameFiles {
   const FrameOutputs& outputs_;
   const std::vector<FrameOutputs::FileKind> kinds_;
   std::mutex unsynced_mutex_;
-  std::vector<std::string> unsynced_;  ///< files that may not be on the disk yet
+  std::vector<std::string> unsynced_;  ///< files that may not be on disk yet
 };
 
 }  // namespace cbmv

@@ -56,12 +56,12 @@ void requireSize(const CameraCalibration& camera, cv::Size size, const std::stri
   }
 }
 
-/// `names` are those of the images and of the calibration, as the text needs them.
+/// `names`: the images and the calibration, formatted for the message.
 [[noreturn]] void failCalibration(const std::string& names, const std::string& problem) {
   throw InputError(InputFault::kUncalibrated, names + " " + problem);
 }
 
-/// image_geometry makes maps of the whole sensor, of which the image may be a small part.
+/// image_geometry allocates maps for the whole sensor, even if the image is a small part of it.
 void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names) {
   if (std::uint64_t{info.width} * info.height > kMaxImagePixels) {
     throw InputError(InputFault::kCameraInfoSize,
@@ -73,9 +73,9 @@ void requireSensor(const sensor_msgs::CameraInfo& info, const std::string& names
 
 struct DistortionModel {
   const char* name;
-  std::size_t coefficients;             ///< that it has
-  std::array<std::size_t, 5> accepted;  ///< by OpenCV
-  const char* counts;                   ///< the same as a text
+  std::size_t coefficients;             ///< of the model
+  std::array<std::size_t, 5> accepted;  ///< numbers of coefficients that OpenCV accepts
+  const char* counts;                   ///< `accepted` as text
 };
 constexpr std::array<DistortionModel, 3> kDistortionModels = {
     {{"plumb_bob", 5, {4, 5, 8, 12, 14}, "4, 5, 8, 12 or 14"},
@@ -84,7 +84,7 @@ constexpr std::array<DistortionModel, 3> kDistortionModels = {
 
 const DistortionModel& findModel(const CameraCalibration& camera, const std::string& names) {
   if (camera.distortion_model.empty() && hasNoCoefficients(camera)) {
-    return kDistortionModels.front();  // simulators
+    return kDistortionModels.front();  // set by simulators
   }
   for (const DistortionModel& model : kDistortionModels) {
     if (camera.distortion_model == model.name) {
@@ -108,7 +108,7 @@ void requireCoefficients(const CameraCalibration& camera, const DistortionModel&
   }
 }
 
-/// An image without a single gray value would come of what is not finite.
+/// Values that are not finite would yield an image without valid pixels.
 void requireUsableNumbers(const CameraCalibration& camera, const std::string& names) {
   const auto require = [&](bool usable, const char* entry, std::size_t index, double value) {
     if (!usable) {
@@ -128,7 +128,7 @@ void requireUsableNumbers(const CameraCalibration& camera, const std::string& na
   }
 }
 
-/// Of a sensor of unknown size, as much as the image shows.
+/// If the sensor size is unknown, uses the size that the image covers.
 std::uint32_t sensorSide(std::uint32_t offset, std::uint32_t roi, int raw, int binning) {
   const std::uint64_t side =
       roi > 0 ? std::uint64_t{offset} + roi
@@ -137,7 +137,7 @@ std::uint32_t sensorSide(std::uint32_t offset, std::uint32_t roi, int raw, int b
       std::min<std::uint64_t>(side, std::numeric_limits<std::uint32_t>::max()));
 }
 
-/// The calibration as image_geometry takes it.
+/// Completes the calibration for image_geometry.
 sensor_msgs::CameraInfo completed(sensor_msgs::CameraInfo info, const std::string& names,
                                   cv::Size raw) {
   const CameraCalibration camera = toCameraCalibration(info);
@@ -150,7 +150,7 @@ sensor_msgs::CameraInfo completed(sensor_msgs::CameraInfo info, const std::strin
   info.distortion_model = model.name;
   if (hasNoCoefficients(camera)) {
     info.D.assign(model.coefficients, 0.0);
-    info.D[0] = 1e-300;  // image_geometry does not rectify where all are zero
+    info.D[0] = 1e-300;  // image_geometry skips rectification if all are zero
   } else {
     requireCoefficients(camera, model, names);
   }
@@ -171,17 +171,17 @@ RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& top
   requireSensor(calibration, names);
   try {
     camera_ = toCameraCalibration(calibration);
-    requireSize(camera_, raw, topic, info_name_);  // before maps take memory
+    requireSize(camera_, raw, topic, info_name_);  // before maps are allocated
     model_.fromCameraInfo(calibration);
     is_identity_ = isIdentity(toCameraCalibration(info));
     if (!is_identity_) {
-      // The first image, of any size, makes the maps; from then on the model is only read.
+      // The first call, with any image, creates the maps. After that the model is only read.
       cv::Mat ignored;
       model_.rectifyImage(cv::Mat::zeros(1, 1, CV_8UC1), ignored);
     }
   } catch (const InputError&) {
     throw;
-  } catch (const std::exception& error) {  // OpenCV's and image_geometry's own
+  } catch (const std::exception& error) {  // thrown by OpenCV or image_geometry
     failCalibration(names, std::string("cannot be used: ") + error.what());
   }
 }
@@ -232,7 +232,7 @@ LoadedFrame FrameLoader::load(const PlannedFrame& frame) {
   loaded.messages.left_info = left.info;
   loaded.messages.right_info = right.info;
   if (with_color_ && frame.color) {
-    std::vector<std::string> ignored;  // the same as of the left image
+    std::vector<std::string> ignored;  // same as for the left image
     loaded.color = loadImage(*frame.color, topics_.color, left, true, ignored);
   }
   return loaded;
@@ -284,8 +284,8 @@ FrameLoader::Camera FrameLoader::cameraOf(const CalibrationOf& calibration,
       return known.second;
     }
   }
-  // Without the mutex: OpenCV works in parallel, and a thread that waits for it may begin another
-  // frame.
+  // Without the mutex, because OpenCV runs in parallel: a waiting thread may start another frame
+  // and lock the mutex again.
   const auto camera =
       std::make_shared<const RawCamera>(info, topic, imageSize(raw), calibration.name);
   const std::lock_guard<std::mutex> lock(cameras_mutex_);

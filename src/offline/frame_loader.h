@@ -18,51 +18,51 @@
 
 namespace cbmv {
 
-/// Messages of a frame as the live node would get them.
+/// Messages of a frame, as the node would receive them.
 struct LoadedFrame {
   StereoMessages messages;
   sensor_msgs::ImageConstPtr color;  ///< may be null
   std::vector<std::string> warnings;
 };
 
-/// Rectifies the images of one camera by K, D, R and P, as image_proc does; unlike image_proc also
-/// where D is zero. May be used by several threads at once.
+/// Rectifies the images of one camera by K, D, R and P, as image_proc does, but also if D is zero.
+/// Thread-safe.
 class RawCamera {
  public:
-  /// `raw` is the size of the images, `info_name` what errors call the calibration. Throws
-  /// InputError that names the topic if there is no calibration, a useless one, one of an unknown
-  /// distortion model, or of images of another size.
+  /// `raw`: size of the images. `info_name`: name of the calibration in errors. Throws InputError
+  /// with the topic if the calibration is missing, invalid, has an unknown distortion model, or
+  /// belongs to another image size.
   RawCamera(const sensor_msgs::CameraInfo& info, const std::string& topic, cv::Size raw,
             std::string info_name = "its camera_info");
 
-  /// Throws InputError that names the topic if the image has another size.
+  /// Throws InputError with the topic if the image has another size.
   cv::Mat rectify(const cv::Mat& image, const std::string& topic) const;
 
  private:
   std::string info_name_;
-  bool is_identity_ = false;  ///< the images are rectified as they are
+  bool is_identity_ = false;  ///< the images are already rectified
   CameraCalibration camera_;
   image_geometry::PinholeCameraModel model_;
 };
 
-/// JPEG, PNG and whatever OpenCV reads, as mono8, bgr8, bgra8 or 16 bits of these; what `format`
-/// calls a Bayer image keeps that encoding. Throws InputError that names the topic.
+/// Decodes JPEG, PNG and all other formats that OpenCV reads to mono8, bgr8, bgra8 or their 16-bit
+/// variants. A Bayer encoding in `format` is kept. Throws InputError with the topic.
 sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& message,
                                       const std::string& topic);
 
-/// What image_proc makes of a raw image: gray or color, with the 8 or 16 bits that it has. Throws
-/// InputError that names the topic.
+/// Rectifies a raw image as image_proc does: to gray or color, with its 8 or 16 bits. Throws
+/// InputError with the topic.
 sensor_msgs::ImagePtr rectifyImage(const sensor_msgs::ImageConstPtr& raw, const std::string& topic,
                                    const RawCamera& camera, bool color);
 
-/// Reads, unpacks and rectifies. May be used by several threads at once.
+/// Reads, decompresses and rectifies. Thread-safe.
 class FrameLoader {
  public:
-  /// Without `with_color` no colour image is read.
+  /// Without `with_color`, no color image is read.
   FrameLoader(CameraTopics topics, bool with_color)
       : topics_(std::move(topics)), with_color_(with_color) {}
 
-  /// Throws InputError that names the topic if a message cannot be used.
+  /// Throws InputError with the topic if a message cannot be used.
   LoadedFrame load(const PlannedFrame& frame);
   StereoTopics topicNames() const;
   RectifiedBy rectifiedBy() const {
@@ -71,7 +71,7 @@ class FrameLoader {
 
  private:
   using Camera = std::shared_ptr<const RawCamera>;
-  /// The calibration of one camera, and the topic or file that it comes from.
+  /// The calibration of one camera, and its topic or file.
   struct CalibrationOf {
     sensor_msgs::CameraInfoConstPtr info;
     std::string name;
@@ -87,7 +87,7 @@ class FrameLoader {
   const CameraTopics topics_;
   const bool with_color_;
   std::mutex cameras_mutex_;
-  std::map<std::string, std::pair<sensor_msgs::CameraInfo, Camera>> cameras_;  ///< by topic
+  std::map<std::string, std::pair<sensor_msgs::CameraInfo, Camera>> cameras_;  ///< keyed by topic
 };
 
 }  // namespace cbmv

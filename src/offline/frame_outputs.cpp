@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kDisparity = "disparity";
 constexpr const char* kCloud = "points2";
 
-/// What the messages of a frame are made from.
+/// Data from which the messages of a frame are built.
 struct Source {
   const StereoResult& result;
   const StereoGeometry& geometry;
@@ -25,7 +25,7 @@ struct Source {
 
 struct OfflineOutput {
   std::string topic;
-  std::string extension;  ///< of its files
+  std::string extension;  ///< extension of its files
   std::function<RawMessage(const Source&, const std::string& topic)> make;
   std::function<void(const Source&, const std::string& path)> write;
 };

@@ -8,41 +8,40 @@
 
 namespace cbmv {
 
-/// Names of the outputs that can be asked for: the topics of the live node, and cloud for points2.
+/// Names of the available outputs: the topics of the node, and cloud for points2.
 std::vector<std::string> offlineOutputNames();
 
-/// Of files of disparities, see writeMessageFile.
+/// Format of disparity files, see writeMessageFile.
 enum class DisparityFormat { kPfm, kKitti };
 
-/// Makes the messages of a frame, by the functions that the live node uses, or files of these.
+/// Builds the messages of a frame with the same functions as the node, or writes them as files.
 class FrameOutputs {
  public:
-  /// `wanted` are names from offlineOutputNames; throws Error that lists them for others.
+  /// `wanted`: names from offlineOutputNames. Throws Error with the list of names for others.
   FrameOutputs(const std::vector<std::string>& wanted, const CameraTopics& topics);
 
   /// The topics that are written.
   std::vector<std::string> topics() const;
   bool needsColor() const;
 
-  /// In the order of offlineOutputNames, with the header of the left image. May be called by
-  /// several threads at once.
+  /// In the order of offlineOutputNames, with the header of the left image. Thread-safe.
   std::vector<RawMessage> make(const PreparedFrame& prepared,
                                const ProcessedFrame& processed) const;
 
-  /// A kind of file: the name of its output, and how its name ends.
+  /// A kind of file: the name of its output and its extension.
   struct FileKind {
     std::string name;
     std::string extension;  ///< with the dot
   };
-  /// Of the outputs that are wanted, in the order of offlineOutputNames.
+  /// For the wanted outputs, in the order of offlineOutputNames.
   std::vector<FileKind> fileKinds(DisparityFormat format) const;
-  /// Writes what make() makes as the files `paths`, one for each of fileKinds. May be called by
-  /// several threads at once. Throws Error that names the file.
+  /// Writes the messages of make() to `paths`, one per element of fileKinds. Thread-safe. Throws
+  /// Error with the file.
   void write(const PreparedFrame& prepared, const ProcessedFrame& processed,
              const std::vector<std::string>& paths) const;
 
  private:
-  std::vector<std::size_t> wanted_;  ///< rows of the table of outputs
+  std::vector<std::size_t> wanted_;  ///< indices in the table of outputs
   std::string output_namespace_;
   std::string color_topic_;
 };

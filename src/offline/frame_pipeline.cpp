@@ -26,18 +26,18 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// A frame on its way.
+/// A frame in the pipeline.
 struct Job {
   const PlannedFrame* planned = nullptr;
-  const PlannedFrame* offset_source = nullptr;  ///< null: the offset of the frame before
-  VerticalOffset offset;                        ///< where there is a source
+  const PlannedFrame* offset_source = nullptr;  ///< null: keep the previous offset
+  VerticalOffset offset;                        ///< set if there is a source
   std::optional<PreparedFrame> prepared;
   std::optional<ProcessedFrame> processed;
   std::vector<RawMessage> messages;
   std::string failure;
 };
 
-/// Does a step of a job unless an earlier one has failed.
+/// Runs a step of a job unless an earlier step failed.
 template <typename Step>
 void attempt(Job& job, const Step& step) {
   if (job.failure.empty()) {
@@ -49,7 +49,7 @@ void attempt(Job& job, const Step& step) {
   }
 }
 
-/// The steps of the pipeline and what they count.
+/// The stages of the pipeline and their counters.
 class Steps {
  public:
   Steps(const PipelineParts& parts, std::size_t first, std::size_t frames_in_flight)
@@ -119,12 +119,12 @@ class Steps {
 
  private:
   void prepareJob(Job& job) const {
-    job.prepared = prepareFrame(
-        parts_.loader.load(*job.planned), parts_.loader.topicNames(), parts_.loader.rectifiedBy(),
-        parts_.allow_different_frame_ids, parts_.processor);
+    job.prepared = prepareFrame(parts_.loader.load(*job.planned), parts_.loader.topicNames(),
+                                parts_.loader.rectifiedBy(), parts_.allow_different_frame_ids,
+                                parts_.processor);
   }
 
-  /// Zero if the frame that it comes from cannot be used.
+  /// Zero if its source frame cannot be used.
   VerticalOffset estimateOffset(Job& job) const {
     Job other;
     other.planned = job.offset_source;
@@ -133,17 +133,18 @@ class Steps {
       attempt(other, [this](Job& j) { prepareJob(j); });
     }
     Job& source = is_own ? job : other;
-    attempt(source, [this](Job& j) { j.offset = parts_.processor.estimateOffset(j.prepared->pair); });
+    attempt(source,
+            [this](Job& j) { j.offset = parts_.processor.estimateOffset(j.prepared->pair); });
     return source.offset;
   }
 
   const PipelineParts& parts_;
   const std::size_t first_;
   std::size_t next_;
-  /// Frames end in the order in which they begin, so a place is free again when its turn comes. Not
-  /// made by the pipeline, which drops what is on its way, with its memory, when a step throws.
+  /// Frames finish in order, so a slot is free when its turn comes again. Not created by the
+  /// pipeline, which leaks frames in progress if a step throws.
   std::vector<Job> jobs_;
-  VerticalOffset offset_;  ///< of the frames that come to the matcher
+  VerticalOffset offset_;  ///< current offset at the matcher
   PipelineReport report_;
 };
 
@@ -154,7 +155,7 @@ PipelineReport runPipeline(const PipelineParts& parts, std::size_t first, int th
                                   static_cast<std::size_t>(threads));
   const std::size_t frames_in_flight = static_cast<std::size_t>(std::min(threads, 8)) + 2;
   Steps steps(parts, first, frames_in_flight);
-  // The matcher works in this arena, too: between two, threads would go to and fro.
+  // The matcher uses the same arena; with two arenas, threads would migrate between them.
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_pipeline(

@@ -15,8 +15,8 @@
 namespace cbmv {
 namespace {
 
-constexpr double kLargestSensibleGapS = 1;  // between the images of a pair
-constexpr double kLongestDurationS = 2e9;   // ros::Duration holds a little more
+constexpr double kLargestSensibleGapS = 1;  // largest plausible difference of the images of a pair
+constexpr double kLongestDurationS = 2e9;   // slightly below the limit of ros::Duration
 
 using Messages = std::vector<BagMessage>;
 
@@ -47,8 +47,9 @@ class StampedTopic {
     stamps_ = stampsOf(messages_);
   }
   bool empty() const { return messages_.empty(); }
-  /// The message for an image: of its stamp, else of the last stamp before it, else of the first
-  /// one. Of several with that stamp the last that was recorded before the image, else the first.
+  /// The message for an image: with its stamp, else with the last stamp before it, else the first
+  /// message. Of several with the same stamp, the last one recorded before the image, else the
+  /// first.
   const BagMessage& of(const BagMessage& image) const {
     const auto later = std::upper_bound(stamps_.begin(), stamps_.end(), image.entry->stamp);
     const ros::Time& stamp = later == stamps_.begin() ? stamps_.front() : *(later - 1);
@@ -67,7 +68,7 @@ class StampedTopic {
   std::vector<ros::Time> stamps_;
 };
 
-/// Empty where the calibration was given.
+/// Empty if a calibration was given.
 StampedTopic readInfos(const BagSet& bags, const CameraTopics& topics, const std::string& topic) {
   if (topics.cameras) {
     return StampedTopic({});
@@ -79,7 +80,7 @@ StampedTopic readInfos(const BagSet& bags, const CameraTopics& topics, const std
   return infos;
 }
 
-/// `time` and so many seconds, at most the last moment that ROS knows.
+/// `time` plus `seconds`, limited to ros::TIME_MAX.
 ros::Time later(const ros::Time& time, double seconds) {
   const double left_s = ros::TIME_MAX.toSec() - time.toSec();
   return seconds < std::min(left_s, kLongestDurationS) ? time + ros::Duration(seconds)
@@ -136,7 +137,7 @@ void countImages(const Messages& left, const Messages& right, const StampPairs& 
   plan.smallest_gap_s = smallestGap(left_alone, right);
 }
 
-/// The topics beside the images.
+/// The messages that accompany the images.
 class Companions {
  public:
   Companions(const BagSet& bags, const CameraTopics& topics)
@@ -163,7 +164,7 @@ class Companions {
   StampedTopic colors_;
 };
 
-/// Says how many left images have no partner, and what would give them one; empty if all have one.
+/// Reports how many left images have no partner and how to pair them; empty if all have one.
 std::string unpairedText(const FramePlan& plan) {
   if (plan.left_alone == 0) {
     return {};

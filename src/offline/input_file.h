@@ -13,14 +13,13 @@
 
 namespace cbmv {
 
-/// A file that is read in pieces, by several threads at once. It is not mapped into memory: what
-/// another process cuts off, or a disk does not give, would end the program then, here it is an
-/// Error.
+/// A file for random access by several threads. It is not memory-mapped, because truncation by
+/// another process or a disk error would then kill the program. Here they throw Error.
 class InputFile {
  public:
-  /// Throws Error that names the file.
+  /// Throws Error with the file.
   explicit InputFile(const std::string& path) : path_(path) {
-    // A pipe would hold up whoever opens it.
+    // Non-blocking, because opening a pipe would wait for a writer.
     file_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat status {};
     if (file_ < 0 || fstat(file_, &status) != 0) {
@@ -35,11 +34,10 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  /// Bytes, when it was opened.
+  /// Bytes at the time of opening.
   std::uint64_t size() const { return size_; }
 
-  /// Throws Error that names the file where it does not have these bytes any more, or the disk does
-  /// not give them.
+  /// Throws Error with the file if it was truncated or the disk fails.
   void read(std::uint64_t offset, std::uint8_t* bytes, std::uint64_t size) const {
     while (size > 0) {
       const ssize_t read_bytes = pread(file_, bytes, size, static_cast<off_t>(offset));

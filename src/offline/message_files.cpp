@@ -23,7 +23,7 @@ namespace encodings = sensor_msgs::image_encodings;
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-/// The pixels of an image that this program has made: not padded, in the machine's byte order.
+/// The pixels of an image from this program: without padding, native byte order.
 cv::Mat pixelsOf(const sensor_msgs::Image& message, int type) {
   return cv::Mat(static_cast<int>(message.height), static_cast<int>(message.width), type,
                  const_cast<std::uint8_t*>(message.data.data()));

@@ -9,17 +9,16 @@
 
 namespace cbmv {
 
-/// Messages as files; the extension of `path` says how. All throw Error that names the file when it
-/// cannot be written.
+/// Write a message as a file; the extension of `path` selects the format. All functions throw Error
+/// with the file when it cannot be written.
 
-/// .pfm: px, +infinity where there is none, as Middlebury has it; .png: KITTI's, 256 times px in 16
-/// bits, 0 where there is none.
+/// .pfm: px, +infinity = none, as in Middlebury. .png: KITTI, 16 bits, 256 · px, 0 = none.
 void writeMessageFile(const std::string& path, const stereo_msgs::DisparityImage& message);
 /// 32FC1 as .pfm; 16UC1, mono8 and rgb8 as .png.
 void writeMessageFile(const std::string& path, const sensor_msgs::Image& message);
-/// The points that there are, as binary .ply.
+/// The valid points as binary .ply.
 void writeMessageFile(const std::string& path, const sensor_msgs::PointCloud2& message);
-/// The .yaml of camera_calibration_parsers.
+/// YAML as written by camera_calibration_parsers.
 void writeMessageFile(const std::string& path, const sensor_msgs::CameraInfo& message);
 
 }  // namespace cbmv

@@ -11,13 +11,13 @@
 
 namespace cbmv {
 
-/// Walks over a serialised message. roscpp takes the memory that an array claims to need before it
-/// looks whether the message is that long.
+/// Checks the lengths in a serialized message. This is needed because roscpp allocates the claimed
+/// size of an array before it checks the size of the message.
 class MessageWalker {
  public:
   MessageWalker(const std::uint8_t* data, std::uint64_t size) : data_(data), left_(size) {}
 
-  /// Throws ros::serialization::StreamOverrunException if there are not as many bytes.
+  /// Throws ros::serialization::StreamOverrunException if fewer bytes are left.
   void skip(std::uint64_t bytes) {
     if (bytes > left_) {
       throw ros::serialization::StreamOverrunException("a length exceeds the message");
@@ -26,7 +26,7 @@ class MessageWalker {
     left_ -= bytes;
   }
 
-  /// An array or a text: the number of its items, then these.
+  /// Skips an array or a string: the number of its elements, then the elements.
   void skipArray(std::uint64_t item_bytes) {
     const std::uint8_t* const place = data_;
     std::uint32_t items = 0;
@@ -35,7 +35,7 @@ class MessageWalker {
     skip(items * item_bytes);
   }
 
-  /// std_msgs/Header: number, stamp and frame.
+  /// std_msgs/Header: seq, stamp and frame_id.
   void skipHeader() {
     skip(4 + 8);
     skipArray(1);
@@ -64,12 +64,12 @@ inline void walk(MessageWalker& walker, const sensor_msgs::CameraInfo* /*type*/)
   walker.skipHeader();
   walker.skip(4 + 4);   // height, width
   walker.skipArray(1);  // distortion_model
-  walker.skipArray(8);  // D; what follows has a fixed size
+  walker.skipArray(8);  // D; all following fields have a fixed size
 }
 
 inline void walk(MessageWalker& walker, const std_msgs::String* /*type*/) { walker.skipArray(1); }
 
-/// Throws ros::serialization::StreamOverrunException if a length in the message exceeds its bytes.
+/// Throws ros::serialization::StreamOverrunException if a length exceeds the message.
 template <typename Message>
 void requireLengths(const std::uint8_t* data, std::uint64_t size) {
   MessageWalker walker(data, size);

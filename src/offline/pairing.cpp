@@ -11,7 +11,7 @@
 namespace cbmv {
 namespace {
 
-/// Sorted stamps, each once, and the images that have them, in the order of the recording.
+/// Unique sorted stamps, and their images in the order of the bag.
 struct SortedStamps {
   std::vector<ros::Time> stamps;
   std::vector<std::vector<std::size_t>> images;
@@ -34,7 +34,7 @@ SortedStamps sortStamps(const std::vector<StampedImage>& images) {
   return sorted;
 }
 
-/// An image of one camera comes.
+/// Arrival of an image.
 struct Arrival {
   std::size_t place;
   bool is_right;
@@ -46,7 +46,7 @@ void addPairs(const std::vector<Arrival>& arrivals, StampPairs& result) {
   const auto leave = [&result](const Arrival& image) {
     (image.is_right ? result.right_repeated : result.left_repeated).push_back(image.image);
   };
-  const Arrival* waiting = nullptr;  // of one camera only: two would be a pair
+  const Arrival* waiting = nullptr;  // at most one image waits: two would be a pair
   for (const Arrival& next : arrivals) {
     if (waiting != nullptr && waiting->is_right != next.is_right) {
       const auto [left, right] = next.is_right ? std::pair(waiting->image, next.image)

@@ -5,20 +5,20 @@
 
 namespace cbmv {
 
-/// How frames are processed.
+/// Settings for processing frames.
 struct MatchingOptions {
   StereoOptions stereo;
   float min_confidence = 0;
   bool allow_different_frame_ids = true;
 };
 
-/// A frame that only waits for the matcher.
+/// A frame that is ready for the matcher.
 struct PreparedFrame {
   LoadedFrame loaded;
   PreparedPair pair;
 };
 
-/// By several threads at once. Throws InputError if the messages do not fit.
+/// Thread-safe. Throws InputError if the messages are inconsistent.
 PreparedFrame prepareFrame(LoadedFrame loaded, const StereoTopics& topics, RectifiedBy rectified_by,
                            bool allow_different_frame_ids, const FrameProcessor& processor);
 

@@ -15,24 +15,24 @@
 
 namespace cbmv {
 
-/// A topic of a bag as one publisher wrote it.
+/// A topic of a bag with its publisher's connection data.
 struct BagConnection {
   std::string topic;
   std::string type;
   std::string md5;
   std::string definition;
-  boost::shared_ptr<ros::M_string> header;  ///< as recorded: latching, callerid, …; may be null
+  boost::shared_ptr<ros::M_string> header;  ///< as recorded (latching, callerid, …); may be null
 };
 
-/// A serialised message of any type, which rosbag::Bag::write takes as it is.
+/// A serialized message of any type, accepted by rosbag::Bag::write.
 struct RawMessage {
   std::shared_ptr<const BagConnection> connection;
-  std::shared_ptr<const void> owner;  ///< keeps the bytes
+  std::shared_ptr<const void> owner;  ///< keeps the bytes alive
   const std::uint8_t* data = nullptr;
   std::uint32_t size = 0;
 };
 
-/// Not a vector, which would set all bytes to 0 first.
+/// Uninitialized bytes; a std::vector would set them to 0.
 inline std::shared_ptr<std::uint8_t> newBytes(std::uint32_t size) {
   return {new std::uint8_t[size], std::default_delete<std::uint8_t[]>()};
 }
@@ -49,13 +49,13 @@ RawMessage toRawMessage(const Message& message, const std::string& topic) {
   return {std::make_shared<const BagConnection>(connection), bytes, bytes.get(), size};
 }
 
-/// Throws ros::serialization::StreamOverrunException if the bytes are too few; no more memory is
-/// taken than they have, whatever lengths they claim.
+/// Throws ros::serialization::StreamOverrunException if the message is too short. Never allocates
+/// more memory than the message has bytes, whatever lengths it claims.
 template <typename Message>
 boost::shared_ptr<Message> fromRawMessage(const RawMessage& raw) {
   requireLengths<Message>(raw.data, raw.size);
   auto message = boost::make_shared<Message>();
-  // IStream takes no constant bytes, but does not write to them.
+  // IStream has no interface for const bytes, but does not write.
   ros::serialization::IStream stream(const_cast<std::uint8_t*>(raw.data), raw.size);
   ros::serialization::deserialize(stream, *message);
   return message;

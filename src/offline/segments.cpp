@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMarginBytes = 4 << 20;  // index of a part, buffers that are not written
-constexpr double kPartSeconds = 20;              // at most so much work is lost
+constexpr std::uint64_t kMarginBytes = 4 << 20;  // for the index of a part and unwritten buffers
+constexpr double kPartSeconds = 20;              // limit of lost work
 
 double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -105,7 +105,7 @@ Segments::Segments(std::string output, const std::string& origin, EarlierParts e
   const bool overwrite = earlier == EarlierParts::kOverwrite;
   complete_ = earlier == EarlierParts::kResume && fs::exists(output_);
   if (complete_) {
-    remove();  // only what a process leaves that is killed at its very end
+    remove();  // left over if a process was killed at its very end
     return;
   }
   if (fs::exists(output_) && !overwrite) {
@@ -183,7 +183,7 @@ void Segments::write(const std::vector<RawMessage>& messages, const ros::Time& t
       writer_->write(message, time);
     }
   } catch (const Error&) {
-    writer_.reset();  // and with it the frames of this part
+    writer_.reset();  // discards the frames of this part
     throw;
   }
   ++taken_;

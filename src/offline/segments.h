@@ -12,13 +12,13 @@
 
 namespace cbmv {
 
-/// What to do about the parts of an earlier run.
+/// What to do with the parts of an earlier run.
 enum class EarlierParts { kRefuse, kResume, kOverwrite };
 
-/// A file that one process at a time holds; the kernel lets go of it whatever ends the process.
+/// A file lock for one process at a time. The kernel releases it whenever the process ends.
 class LockFile {
  public:
-  /// Makes the file if there is none. Throws Error that says `purpose` is taken.
+  /// Creates the file if needed. Throws Error with `purpose` if another process holds the lock.
   LockFile(const std::string& path, const std::string& purpose);
   ~LockFile();
   LockFile(const LockFile&) = delete;
@@ -28,36 +28,35 @@ class LockFile {
   int file_;
 };
 
-/// The frames that are done, as small bags beside the output: OUTPUT.part.FIRST-LAST, numbers of
-/// frames, each complete and on the disk; OUTPUT.part.json says what they were made from. A process
-/// that is killed loses the frames since its last part only.
+/// Stores finished frames as small bags beside the output: OUTPUT.part.FIRST-LAST with frame
+/// numbers. Each part is complete and on disk. OUTPUT.part.json describes what the frames depend
+/// on. A killed process loses only the frames since its last part.
 class Segments {
  public:
-  /// Bytes that are free where a file lies; tests bring their own.
+  /// Returns the free bytes on the file system of a path; tests replace it.
   using FreeSpace = std::function<std::uint64_t(const std::string& path)>;
 
-  /// `origin` is a text of everything the frames depend on. Throws Error if the output exists (but
-  /// see isComplete), if
-  /// there are parts that must not be there or are of another origin, or if another process writes
-  /// them.
+  /// `origin`: text with everything the frames depend on. Throws Error if the output exists (but
+  /// see isComplete), if parts exist that are not allowed or have another origin, or if another
+  /// process writes them.
   Segments(std::string output, const std::string& origin, EarlierParts earlier,
            FreeSpace free_space = nullptr);
 
-  /// With EarlierParts::kResume: the output is there already. Nothing is written then.
+  /// With EarlierParts::kResume: the output already exists and nothing is written.
   bool isComplete() const { return complete_; }
   /// Frames 0 … framesDone() − 1 are in the parts.
   std::size_t framesDone() const { return done_; }
-  /// The next frame; without messages it is one that failed. Begins and ends parts. Throws Error if
-  /// the disk is full, and then has kept all frames before.
+  /// Adds the next frame; without messages, a failed frame. Opens and closes parts. Throws Error if
+  /// the disk is full; all earlier frames are kept.
   void write(const std::vector<RawMessage>& messages, const ros::Time& time);
-  /// Ends the part in work.
+  /// Closes the current part.
   void closePart();
-  /// The parts in their order.
+  /// The parts in order.
   std::vector<std::string> paths() const { return paths_; }
-  /// Removes all parts: the output is complete.
+  /// Removes all parts after the output is complete.
   void remove();
   void setFramesPerPart(std::size_t frames) { frames_per_part_ = frames; }
-  /// Called before a part gets its name.
+  /// Called before a part gets its final name.
   void setBeforePart(std::function<void()> action) { before_part_ = std::move(action); }
 
  private:
@@ -73,18 +72,18 @@ class Segments {
   std::unique_ptr<LockFile> lock_;
   std::size_t frames_per_part_ = 50;
   bool complete_ = false;
-  std::size_t done_ = 0;   ///< in parts
-  std::size_t taken_ = 0;  ///< with those in the part in work
+  std::size_t done_ = 0;   ///< frames in complete parts
+  std::size_t taken_ = 0;  ///< including the current part
   double part_begin_s_ = 0;
   std::vector<std::string> paths_;
   std::unique_ptr<BagWriter> writer_;
 };
 
-/// A topic that is no part of the output: what a bag says of itself, see ShardLabel.
+/// Topic of the ShardLabel; not copied to the output.
 inline constexpr const char* kShardTopic = "/cbmv_bag/shard";
 
-/// Writes what is in parts, in their order, and other messages, which come before those of a later
-/// time; without kShardTopic. Throws Error if a part is damaged or the output cannot be written.
+/// Writes the messages of the parts in order and merges in `others` by time; without kShardTopic.
+/// Throws Error if a part is damaged or the output cannot be written.
 void mergeBags(const std::vector<std::string>& parts, const std::vector<BagMessage>& others,
                BagWriter& writer);
 

@@ -22,14 +22,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostShards = 100000;
-constexpr const char* kUnfinished = ".merge";  // behind the name of the output
+constexpr const char* kUnfinished = ".merge";  // suffix of the output name
 
 std::uint64_t costOf(const PlannedFrame& frame, const CameraTopics& topics) {
   return topics.left.compressed ? 1 : frame.left.entry->size;
 }
 
-/// Number of frames in the first `number` shards; 1 at least, so that there is a moment at which
-/// each of them ends.
+/// Number of frames in the first `number` shards; at least 1, so that lastTime is defined.
 std::size_t boundAfter(std::size_t number, std::size_t count, const FramePlan& plan) {
   const std::uint64_t all = std::accumulate(
       plan.frames.begin(), plan.frames.end(), std::uint64_t{0},
@@ -43,7 +42,7 @@ std::size_t boundAfter(std::size_t number, std::size_t count, const FramePlan& p
   return bound;
 }
 
-/// The last moment at which one of the first `bound` frames was recorded.
+/// The latest recording time of the first `bound` frames.
 ros::Time lastTime(std::size_t bound, const FramePlan& plan) {
   ros::Time last = plan.frames.front().left.entry->time;
   for (std::size_t i = 1; i < bound; ++i) {

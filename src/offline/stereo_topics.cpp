@@ -33,7 +33,7 @@ ImageTopic describeImage(const BagSet& bags, const std::string& topic) {
   return {topic, compressed, false};
 }
 
-/// The last part of the name of the images, without /compressed.
+/// The last part of the image topic's name, without /compressed.
 std::string imageName(const ImageTopic& topic) {
   const std::string image = topic.compressed ? parent(topic.name) : topic.name;
   return image.substr(image.rfind('/') + 1);
@@ -43,7 +43,7 @@ bool looksRectified(const ImageTopic& topic) {
   return imageName(topic).find("rect") != std::string::npos;
 }
 
-/// Decides whether the images are raw, and says why.
+/// Decides whether the images are raw, and explains why.
 void chooseRectification(const TopicChoice& choice, CameraTopics& topics) {
   const bool by_name = choice.rectified == Rectified::kAuto;
   const bool rectified = by_name ? looksRectified(topics.left) && looksRectified(topics.right)
@@ -60,12 +60,12 @@ void chooseRectification(const TopicChoice& choice, CameraTopics& topics) {
                : option);
 }
 
-/// The namespace of the camera that took the images.
+/// The namespace of the camera of the images.
 std::string cameraOf(const ImageTopic& topic) {
   return parent(topic.compressed ? parent(topic.name) : topic.name);
 }
 
-/// The first pair of image topics of a stereo namespace; names are empty if there is none.
+/// The first pair of image topics of a stereo namespace; empty names if there is none.
 std::pair<std::string, std::string> imagesIn(const BagSet& bags, const std::string& name) {
   for (const char* image : kImageNames) {
     const std::string left = name + "/left/" + image;
@@ -105,7 +105,7 @@ std::string withoutSlash(std::string name) {
   return name;
 }
 
-/// Recordings hold resolved names.
+/// Bags contain resolved names.
 std::string resolved(const std::string& name) {
   return !name.empty() && name.front() != '/' ? "/" + name : name;
 }
@@ -162,8 +162,8 @@ std::string findInfo(const BagSet& bags, const ImageTopic& image) {
   return topic;
 }
 
-/// As the live node: image_rect_color beside the left images. Images of other names have their own
-/// color.
+/// As in the node: image_rect_color beside the left images. Images with other names are their own
+/// color source.
 ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
   if (left.raw || !looksRectified(left)) {
     return left;
@@ -177,7 +177,7 @@ ImageTopic findColor(const BagSet& bags, const ImageTopic& left) {
   return {};
 }
 
-/// From files; only P counts of calibrations of rectified images.
+/// Reads calibration files; for rectified images only P is used.
 void takeCalibrations(const TopicChoice& choice, CameraTopics& topics) {
   const StereoCameraFile file =
       readStereoCameras(choice.left_calibration, choice.right_calibration);

@@ -9,11 +9,11 @@
 
 namespace cbmv {
 
-/// A topic of images.
+/// An image topic.
 struct ImageTopic {
   std::string name;
   bool compressed = false;  ///< sensor_msgs/CompressedImage
-  bool raw = false;         ///< still to be rectified
+  bool raw = false;         ///< needs rectification
 };
 
 /// The topics of a stereo camera.
@@ -22,36 +22,36 @@ struct CameraTopics {
   ImageTopic right;
   std::string left_info;
   std::string right_info;
-  ImageTopic color;              ///< of the left camera, for the cloud; without a name: none
-  std::string output_namespace;  ///< ends without a slash
-  /// Calibrations that were given instead of camera_info; the names of these are files then.
+  ImageTopic color;              ///< left camera, for the point cloud; empty name: none
+  std::string output_namespace;  ///< without trailing slash
+  /// Calibration from files instead of camera_info; left_info and right_info are then file names.
   std::optional<StereoCameras> cameras;
-  std::string rectification;  ///< one sentence: who rectifies the images, and why that was chosen
+  std::string rectification;  ///< message: who rectifies the images, and why
 };
 
 /// Whether the images in the bags are rectified.
 enum class Rectified {
-  kAuto,  ///< those whose topic's name holds "rect"
+  kAuto,  ///< if the topic name contains "rect"
   kYes,
   kNo,
 };
 
-/// What the user says of the topics; empty: find it.
+/// Topics given by the user; empty: find them.
 struct TopicChoice {
   std::string left;              ///< topic of the left images
   std::string right;             ///< topic of the right images
-  std::string camera_namespace;  ///< of left/… and right/…, and of the outputs
+  std::string camera_namespace;  ///< namespace of left/… and right/…, and of the outputs
   Rectified rectified = Rectified::kAuto;
-  std::string left_calibration;   ///< file for readStereoCameras, instead of camera_info
-  std::string right_calibration;  ///< empty where one file describes both
+  std::string left_calibration;   ///< file for readStereoCameras, used instead of camera_info
+  std::string right_calibration;  ///< empty if one file describes both cameras
 };
 
-/// Finds the topics of the stereo camera: NAMESPACE/left/… and NAMESPACE/right/… of which the first
-/// that both have is taken: image_rect, image_rect_color, image_raw, each as it is or /compressed;
-/// with camera_info beside them, unless calibrations are given. Names without a slash at the
-/// beginning get one. Throws Error that lists what is in the bags if there is no such camera, or
-/// more than one; if left and right are one topic; if a calibration cannot be read, or does not
-/// tell how to rectify images that are raw.
+/// Finds the topics of the stereo camera NAMESPACE/left/… and NAMESPACE/right/…. Takes the first
+/// image topic that both cameras have: image_rect, image_rect_color, image_raw, each plain or with
+/// /compressed. camera_info must be beside them unless a calibration is given. Relative names get a
+/// leading slash. Throws Error with the content of the bags if there is no stereo camera or more
+/// than one; if left and right are the same topic; if a calibration cannot be read or is
+/// insufficient to rectify raw images.
 CameraTopics findCameraTopics(const BagSet& bags, const TopicChoice& choice);
 
 }  // namespace cbmv

@@ -30,7 +30,7 @@ double framesPerSecond(const ConversionSummary& summary) {
   return summary.seconds > 0 ? static_cast<double>(summary.processed) / summary.seconds : 0;
 }
 
-/// The most memory that this process has had, files that it reads included, MB of 2^20 bytes.
+/// Peak memory of this process, including files that it reads, MB of 2^20 bytes.
 double peakMemoryMb() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {

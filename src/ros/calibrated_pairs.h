@@ -14,10 +14,10 @@
 
 namespace cbmv {
 
-/// Gives each message of a pair its camera_info: the one with its stamp, else the newest that has
-/// come on the topic. A pair waits for those with its stamps, where the topics have them
-/// (CameraInfoBuffer), but not beyond the next pair, nor for longer than kPatienceS. Where a topic
-/// has not had any camera_info yet, only the newest pair waits. Not for several threads at a time.
+/// Adds camera_info to each message of a pair: the one with the message's stamp, else the newest
+/// received on the topic. A pair waits for the camera_infos with its stamps if the topics send one
+/// per image (CameraInfoBuffer), at most until the next pair or for kPatienceS seconds. If a topic
+/// has not had any camera_info yet, only the newest pair waits. Not thread-safe.
 template <typename First, typename Second>
 class CalibratedPairs {
  public:
@@ -34,14 +34,14 @@ class CalibratedPairs {
   void addPair(const Pointer<First>& first, const Pointer<Second>& second, ros::SteadyTime now) {
     handOver();
     if (newest_stamp_ && first->header.stamp < *newest_stamp_) {
-      learnAnew();  // another time, perhaps another camera
+      learnAnew();  // time went back: possibly another camera
     }
     newest_stamp_ = first->header.stamp;
     waiting_ = Waiting{first, second, now};
     handOverIfComplete();
   }
 
-  /// Of the first message's camera (0) or the second one's (1).
+  /// `camera`: 0 for the first message, 1 for the second.
   void addInfo(std::size_t camera, const Info& info) {
     infos_.at(camera).add(info);
     handOverIfComplete();
@@ -53,7 +53,7 @@ class CalibratedPairs {
     }
   }
 
-  /// Begins anew. The newest camera_infos still serve where no others come.
+  /// Drops the waiting pair. The newest camera_infos remain the fallback.
   void clear() {
     waiting_.reset();
     learnAnew();
@@ -79,7 +79,7 @@ class CalibratedPairs {
     }
   }
 
-  /// Hands the pair over that waits, if there is one and each camera has had a camera_info.
+  /// Passes on the waiting pair, if there is one and each camera has had a camera_info.
   void handOver() {
     if (!waiting_) {
       return;

@@ -26,7 +26,7 @@ sensor_msgs::CameraInfoConstPtr CameraInfoBuffer::find(const ros::Time& stamp) c
 
 void CameraInfoBuffer::imageHandedOver(const ros::Time& stamp) {
   if (last_image_) {
-    count(last_got_its_own_);  // not before: it may have come late
+    count(last_got_its_own_);  // not earlier, because its camera_info may arrive late
   }
   last_image_ = stamp;
   last_got_its_own_ = withStamp(stamp) != nullptr;

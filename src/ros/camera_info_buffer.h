@@ -9,11 +9,10 @@
 
 namespace cbmv {
 
-/// The camera_infos of one topic. Most drivers send one with every image, with its stamp; others
-/// one for all images (latched) or seldom. Which kind the topic is of shows when it is used: if
-/// kStreak images in a row did not get one of their own, images need not wait for it any more, and
-/// if kStreak images in a row got one (be it late), they do again. Not for several threads at a
-/// time.
+/// The camera_infos of one topic. Most drivers send one per image, with the image's stamp. Others
+/// send one for all images (latched) or only occasionally. The buffer finds out which: after
+/// kStreak consecutive images without a camera_info of their own, images no longer wait for it.
+/// After kStreak consecutive images with one (even a late one), they wait again. Not thread-safe.
 class CameraInfoBuffer {
  public:
   static constexpr int kStreak = 3;
@@ -21,17 +20,17 @@ class CameraInfoBuffer {
 
   void add(const sensor_msgs::CameraInfoConstPtr& info);
 
-  /// Whether an image with that stamp has to wait: the one with its stamp may still come, or none
-  /// has come at all.
+  /// Whether an image with this stamp must wait: its camera_info may still arrive, or none has
+  /// arrived at all.
   bool isExpected(const ros::Time& stamp) const;
 
-  /// The one with that stamp, else the newest in order of arrival; null if none has come.
+  /// The camera_info with this stamp, else the last one received; null if there is none.
   sensor_msgs::CameraInfoConstPtr find(const ros::Time& stamp) const;
 
-  /// An image with that stamp has been handed over with what find() gave.
+  /// Reports that an image with this stamp was passed on with the result of find().
   void imageHandedOver(const ros::Time& stamp);
 
-  /// Takes the topic for one with a camera_info for every image again.
+  /// Assumes one camera_info per image again.
   void learnAnew();
 
  private:
@@ -40,9 +39,9 @@ class CameraInfoBuffer {
   void count(bool got_its_own);
 
   std::deque<sensor_msgs::CameraInfoConstPtr> infos_;  ///< in order of arrival
-  std::optional<ros::Time> last_image_;                ///< that was handed over
+  std::optional<ros::Time> last_image_;                ///< last image that was passed on
   bool last_got_its_own_ = false;
-  int streak_ = 0;  ///< images in a row that got their own; negative: that did not
+  int streak_ = 0;  ///< positive: consecutive images with their own camera_info; negative: without
   bool comes_with_images_ = true;
 };
 

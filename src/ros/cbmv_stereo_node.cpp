@@ -1,4 +1,4 @@
-// The nodelet cbmv_stereo/stereo in a process of its own.
+// Runs the nodelet cbmv_stereo/stereo as a standalone node.
 
 #include <iostream>
 #include <string>

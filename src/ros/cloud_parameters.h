@@ -7,8 +7,8 @@
 
 namespace cbmv {
 
-/// From the private parameters points_…, but not those about confidence and sigma, which not every
-/// nodelet has. Throws Error if they leave no point.
+/// Reads the private parameters points_…, except those for confidence and sigma, which not every
+/// nodelet has. Throws Error if the limits exclude every point.
 inline CloudOptions readCloudOptions(const PrivateParameters& parameters) {
   CloudOptions options;
   options.min_depth_m = parameters.get<double>("points_min_depth_m");

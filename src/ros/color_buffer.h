@@ -11,7 +11,7 @@
 
 namespace cbmv {
 
-/// The newest colour images, found by their stamp.
+/// The newest color images, found by their stamp. Thread-safe.
 class ColorBuffer {
  public:
   explicit ColorBuffer(std::size_t capacity) : capacity_(capacity) {}
@@ -20,7 +20,7 @@ class ColorBuffer {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       if (!images_.empty() && image->header.stamp < images_.back()->header.stamp) {
-        images_.clear();  // time has gone back: those of later stamps are none that were waited for
+        images_.clear();  // time went back: nothing waits for the later stamps
       }
       images_.push_back(image);
       if (images_.size() > capacity_) {
@@ -35,8 +35,8 @@ class ColorBuffer {
     images_.clear();
   }
 
-  /// Null if no image has that stamp. Where it may still come, because there is none of a later
-  /// stamp, waits for it, but not for longer than `patience`.
+  /// Null if no image has this stamp. Waits up to `patience` while no image with this or a later
+  /// stamp has arrived.
   sensor_msgs::ImageConstPtr find(const ros::Time& stamp,
                                   std::chrono::milliseconds patience) const {
     std::unique_lock<std::mutex> lock(mutex_);

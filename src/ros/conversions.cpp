@@ -39,12 +39,13 @@ sensor_msgs::RegionOfInterest validWindow(const StereoResult& result) {
   return window;
 }
 
-/// Z in metres, CV_32FC1; NaN where there is no point.
+/// Z in meters, CV_32FC1; NaN where there is no point.
 cv::Mat depthOf(const StereoResult& result, const StereoGeometry& geometry) {
   return toDepth(toValidDisparity(result, geometry), geometry);
 }
 
-/// Of a rectified camera without distortion, with calib.txt's one focal length.
+/// camera_info of a rectified camera without distortion; calib.txt has one focal length for x and
+/// y.
 sensor_msgs::CameraInfo toCameraInfo(const StereoCalibration& calibration, double cx, double tx,
                                      const std_msgs::Header& header) {
   StereoGeometry geometry;
@@ -113,7 +114,7 @@ sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeome
   cv::Mat_<std::uint16_t> raw(depth.size());
   std::transform(depth.begin(), depth.end(), raw.begin(), [](float metres) {
     const double millimetres = std::round(metres * 1000.0);
-    const bool fits = millimetres <= std::numeric_limits<std::uint16_t>::max();  // NaN does not
+    const bool fits = millimetres <= std::numeric_limits<std::uint16_t>::max();  // false for NaN
     return static_cast<std::uint16_t>(fits ? millimetres : 0);
   });
   return toMessage(raw, encodings::TYPE_16UC1, header);

@@ -7,8 +7,8 @@
 
 namespace cbmv {
 
-/// Calls `callback` of the nodelet called `name`. What it throws is logged: an exception that
-/// leaves a callback would end the process, with all its nodelets.
+/// Calls `callback` for the nodelet `name` and logs its exceptions. An exception that leaves a
+/// callback would end the process with all its nodelets.
 template <typename Callback>
 void guarded(const std::string& name, const Callback& callback) {
   try {

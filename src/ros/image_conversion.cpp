@@ -25,10 +25,10 @@ const std::string kKnownEncodings =
     "Expected mono8, mono16, bgr8, rgb8, a Bayer or a YUV 4:2:2 encoding. Set the encoding in the "
     "driver.";
 
-/// Order of the bytes of YUV 4:2:2.
+/// Byte order of YUV 4:2:2.
 enum class Yuv { kUyvy, kYuyv };
 
-/// By all names that drivers and later releases of ROS use; none for other encodings.
+/// Knows all names used by drivers and later ROS releases; none for other encodings.
 std::optional<Yuv> yuvOrder(std::string encoding) {
   std::transform(encoding.begin(), encoding.end(), encoding.begin(),
                  [](unsigned char letter) { return std::tolower(letter); });
@@ -81,8 +81,8 @@ void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
   }
 }
 
-/// The message with its bytes the other way round; cv_bridge gets other types of it. It has to be
-/// checked (checkImage).
+/// Swaps the bytes of each value, because cv_bridge expects other types for big-endian data. The
+/// message must have passed checkImage.
 boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& message) {
   auto swapped = boost::make_shared<sensor_msgs::Image>(message);
   swapped->is_bigendian = 0;
@@ -97,7 +97,7 @@ boost::shared_ptr<sensor_msgs::Image> toLittleEndian(const sensor_msgs::Image& m
   return swapped;
 }
 
-/// Plain channels, which cv_bridge takes for no image of light: drivers that set no color encoding.
+/// Encodings of plain channels, which cv_bridge does not convert to colors. Some drivers set them.
 bool isPlain(const std::string& encoding) {
   for (const std::string& plain :
        {encodings::TYPE_8UC1, encodings::TYPE_16UC1, encodings::TYPE_8UC3, encodings::TYPE_16UC3,
@@ -122,7 +122,8 @@ cv::Mat decodeYuv(const sensor_msgs::Image& message, Yuv order, bool color) {
   return decoded;
 }
 
-/// The encoding that cv_bridge is asked for: mosaics become gray at once where no color is wanted.
+/// Encoding requested from cv_bridge. Bayer images are converted directly to gray if no color is
+/// needed.
 std::string targetEncoding(const std::string& encoding, bool color) {
   const bool deep = encodings::bitDepth(encoding) == 16;
   return color || encodings::isColor(encoding) ? (deep ? encodings::BGR16 : encodings::BGR8)
@@ -185,7 +186,7 @@ cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<c
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has the encoding " + quoted(message.encoding) +
                          ", which is not one of camera images. " + kKnownEncodings);
-  } catch (const std::exception& error) {  // OpenCV's own
+  } catch (const std::exception& error) {  // thrown by OpenCV
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " of the encoding " + quoted(message.encoding) +
                          " cannot be converted to " + (color ? "color" : "gray") + ": " +

@@ -12,32 +12,33 @@
 
 #include "cbmv_stereo/calibration_check.h"
 
-// Images of messages as matrices and back.
+// Converts image messages to matrices and back.
 
 namespace cbmv {
 
-/// The pixels with the 8 or 16 bits that they have: CV_8U or CV_16U, with one channel (gray), three
-/// (blue, green, red) or four (and alpha). From mono, color, Bayer, YUV 4:2:2 (UYVY and YUYV) and
-/// plain (8UC1, 16UC1, 8UC3, …) encodings. Bayer and YUV images become color where `color` is set,
-/// else gray. May share the memory of the message, which `owner` keeps. Throws InputError.
+/// Returns the pixels with their 8 or 16 bits, CV_8U or CV_16U, with one channel (gray), three
+/// (BGR) or four (BGRA). Supports mono, color, Bayer, YUV 4:2:2 (UYVY and YUYV) and plain (8UC1,
+/// 16UC1, 8UC3, …) encodings. Bayer and YUV images are converted to color if `color` is set, else
+/// to gray. The result may share the memory of the message, which `owner` keeps alive. Throws
+/// InputError.
 cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<const void>& owner,
                     bool color, const std::string& topic);
 
-/// One sentence if the encoding does not tell the order of the colors (8UC3); else empty.
+/// A warning if the encoding does not define the color order (8UC3); else empty.
 std::string encodingWarning(const std::string& encoding, const std::string& topic);
 
-/// What the method takes, from messages. May share the messages' memory: they have to live as long.
-/// Throws InputError if an image is malformed or its encoding unknown, or if frame_ids differ and
-/// must not.
+/// Builds the matcher's input. It may share the memory of the messages, which must outlive it.
+/// Throws InputError if an image is malformed, its encoding is unknown, or the frame_ids differ and
+/// `allow_different_frame_ids` is false.
 StereoInput toStereoInput(const StereoMessages& messages, const StereoTopics& topics,
                           bool allow_different_frame_ids);
 
-/// Image in color, CV_8UC3 in the order blue, green, red; a copy. Throws InputError for encodings
-/// that decodeImage does not take, and for other sizes than `size`.
+/// Copy of the image in color, CV_8UC3, BGR. Throws InputError if decodeImage does not support the
+/// encoding or the size is not `size`.
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size);
 
-/// Colors of the cloud: those of `image`, or of `left_gray` (CV_8UC1) where that is null or cannot
-/// be used, which `report` (may be empty) is told.
+/// Colors of the point cloud: `image`, or `left_gray` (CV_8UC1) if `image` is null or unusable. In
+/// the latter case the error is passed to `report` (may be empty).
 cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string& topic,
                      const cv::Mat& left_gray,
                      const std::function<void(const std::string&)>& report);
@@ -52,10 +53,10 @@ cv::Mat fromFloatImage(const sensor_msgs::Image& message);
 sensor_msgs::Image toMessage(const cv::Mat& image, const std::string& encoding,
                              const std_msgs::Header& header);
 
-/// Text that somebody else wrote, for people: in quotes, without control characters, not too long.
+/// Quotes text from outside for messages: no control characters, limited length.
 std::string quoted(const std::string& text);
 
-/// Numbers beyond the range of int are its largest.
+/// Values above the range of int become its maximum.
 cv::Size toSize(std::uint32_t width, std::uint32_t height);
 cv::Size imageSize(const sensor_msgs::Image& message);
 

@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-/// One synchronised set of input messages, each with the topic it came on.
+/// One synchronized set of input messages.
 struct StereoMessages {
   sensor_msgs::ImageConstPtr left_image;
   sensor_msgs::CameraInfoConstPtr left_info;
@@ -15,7 +15,7 @@ struct StereoMessages {
   sensor_msgs::CameraInfoConstPtr right_info;
 };
 
-/// Resolved topic names of the inputs, for messages to people.
+/// Resolved topic names of the inputs, for messages.
 using StereoTopics = InputNames;
 
 }  // namespace cbmv

@@ -8,31 +8,29 @@
 #include "ros/private_parameters.h"
 #include "ros/sync_monitor.h"
 
-// Which topics the inputs of a nodelet are.
+// Determines the input topics of a nodelet.
 
 namespace cbmv {
 
-/// Of each input, by InputIndex.
+/// Topic names, indexed by InputIndex.
 using TopicNames = std::array<std::string, kInputs>;
 
-/// The name to use for an input that the nodelet calls `name` and a parameter calls `configured`: a
-/// remap of `name` wins, so that a launch file which sets the parameter can be included with remaps
-/// around it.
+/// Returns the name of an input: `name` if it is remapped, else the value `configured` of the
+/// parameter. So remaps also work around a launch file that sets the parameter.
 std::string inputName(const ros::NodeHandle& nh, const std::string& name,
                       const std::string& configured);
 
-/// The names of the inputs of cbmv_stereo/stereo, relative to the namespace of the nodelet or
-/// absolute.
+/// Input names of cbmv_stereo/stereo, absolute or relative to the nodelet's namespace.
 TopicNames stereoInputNames(const ros::NodeHandle& nh, const PrivateParameters& parameters);
-/// The same of its colour image.
+/// The same for its color image.
 std::string colorInputName(const ros::NodeHandle& nh, const PrivateParameters& parameters);
 
-/// Throws Error if two of the inputs are one topic. `names` are resolved.
+/// Throws Error if two inputs are the same topic. `names` are resolved.
 void requireDifferentTopics(const TopicNames& names);
 
-/// The name to subscribe by: the resolved one, so that the topics which an image transport adds
-/// below it (image/compressed) follow a remap of the image; `name` itself where the resolved name
-/// is remapped in turn (left and right exchanged), which roscpp would follow.
+/// The name to subscribe with. Usually the resolved name, so that the topics of an image transport
+/// below it (image/compressed) follow a remap of the image. If the resolved name is itself remapped
+/// (left and right exchanged), roscpp would remap it again; the result is then `name`.
 std::string nameToSubscribe(const ros::NodeHandle& nh, const std::string& name);
 
 }  // namespace cbmv

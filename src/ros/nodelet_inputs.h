@@ -5,18 +5,18 @@
 #include "ros/sync_monitor.h"
 #include "ros/synchronized_inputs.h"
 
-// The topics that the nodelets read, relative to their namespace: those of stereo_image_proc.
+// Input topics of the nodelets, relative to their namespace; same as stereo_image_proc.
 
 namespace cbmv {
 
-/// By InputIndex.
+/// Indexed by InputIndex.
 using InputTopics = std::array<const char*, kInputs>;
 
 using StereoInputs = SynchronizedInputs<sensor_msgs::Image, sensor_msgs::Image>;
 inline constexpr InputTopics kStereoInputTopics = {"left/image_rect", "left/camera_info",
                                                    "right/image_rect", "right/camera_info"};
 inline constexpr const char* kColorTopic = "left/image_rect_color";
-/// The private parameters that name them.
+/// Private parameters with the topic names.
 inline constexpr InputTopics kStereoTopicParameters = {"left_image_topic", "left_info_topic",
                                                        "right_image_topic", "right_info_topic"};
 inline constexpr const char* kColorTopicParameter = "left_color_topic";

@@ -10,9 +10,9 @@
 namespace cbmv {
 namespace {
 
-constexpr std::uint32_t kQueueSize = 1;  // a reader that is slower gets the newest
+constexpr std::uint32_t kQueueSize = 1;  // a slow subscriber gets the newest message
 
-/// The publisher for messages of a type: image_transport's for images.
+/// Publisher for a message type; image_transport for images.
 template <typename Message>
 auto advertise(const OutputContext& context, const std::string& topic) {
   const auto changed = [call = context.changed](const auto&) { call(); };
@@ -34,7 +34,7 @@ struct MadeMessage<std::optional<Message>> {
   using Type = Message;
 };
 
-/// A message, and one that may be missing.
+/// Lets `output` handle messages that always exist like those that may be missing.
 template <typename Message>
 std::optional<Message> asOptional(Message message) {
   return message;
@@ -44,7 +44,7 @@ std::optional<Message> asOptional(std::optional<Message> message) {
   return message;
 }
 
-/// The row of an output whose messages are make(frame), which may be an empty std::optional.
+/// An output whose messages are make(frame), which may be an empty std::optional.
 template <typename Make>
 Output output(const char* topic, const char* description, Make make) {
   using Message = typename MadeMessage<std::invoke_result_t<Make, const OutputFrame&>>::Type;
@@ -55,7 +55,7 @@ Output output(const char* topic, const char* description, Make make) {
         [publisher, make](const OutputFrame& frame) {
           if (auto message = asOptional(make(frame))) {
             publisher.publish(
-                boost::shared_ptr<const Message>(  // shared with this process's nodelets
+                boost::shared_ptr<const Message>(  // shared with the nodelets of this process
                     boost::make_shared<Message>(std::move(*message))));
           }
         }};
@@ -119,7 +119,7 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              "rgb8 for viewers: from blue, at the lowest disparity of the range, to red; black "
              "where there is none",
              [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
-      // After the images, because it may wait for colour.
+      // After the images, because it may wait for the color image.
       output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
              [cloud_options](const Frame& f) { return cloudOf(f, cloud_options); }),
       output("status",

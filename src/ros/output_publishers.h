@@ -14,21 +14,21 @@
 
 namespace cbmv {
 
-/// What the messages of one frame are made from.
+/// Data from which the messages of one frame are built.
 struct OutputFrame {
   std_msgs::Header header;
   const ProcessedFrame& processed;
-  std::function<cv::Mat()> color;    ///< of the left image, CV_8UC3 blue, green, red
-  std::function<NodeState()> state;  ///< when it is asked for
-  /// Called with an output that wants the standard deviation, where the result holds none, and with
-  /// what that means for it.
+  std::function<cv::Mat()> color;    ///< left image, CV_8UC3, BGR
+  std::function<NodeState()> state;  ///< node state at the time of the call
+  /// Called for an output that needs the standard deviation when the result has none; `effect`
+  /// describes the consequence for this output.
   std::function<void(const std::string& topic, const std::string& effect)> no_sigma;
 
   const StereoResult& result() const { return processed.result; }
   const StereoGeometry& geometry() const { return processed.geometry; }
 };
 
-/// A publisher with the type of its messages taken away.
+/// A publisher, independent of the message type.
 struct LiveOutput {
   std::string topic;
   std::function<std::uint32_t()> subscribers;
@@ -39,7 +39,7 @@ struct LiveOutput {
 struct OutputContext {
   ros::NodeHandle nh;
   image_transport::ImageTransport& transport;
-  std::function<void()> changed;  ///< called when a subscriber comes or goes
+  std::function<void()> changed;  ///< called when a subscriber connects or disconnects
 };
 
 /// One output: a row of the table in docs/ros.md.
@@ -53,10 +53,10 @@ struct Output {
 /// All outputs of cbmv_stereo/stereo.
 std::vector<Output> stereoOutputs(const CloudOptions& cloud_options);
 
-/// Publishes each output while it has a subscriber. Images go by image_transport.
+/// Publishes each output while it has a subscriber. Images use image_transport.
 class OutputPublishers {
  public:
-  /// `changed` may be called by other threads before the constructor has returned.
+  /// Other threads may call `changed` before the constructor returns.
   OutputPublishers(const ros::NodeHandle& nh, const std::vector<Output>& outputs,
                    std::function<void()> changed);
 

@@ -19,12 +19,12 @@
 namespace cbmv {
 namespace {
 
-/// Parameters of stereo_image_proc/disparity that nothing here corresponds to.
+/// Parameters of stereo_image_proc/disparity without a counterpart here.
 constexpr std::array<const char*, 8> kStockOnly = {
     "stereo_algorithm", "prefilter_size",    "prefilter_cap", "correlation_window_size",
     "uniqueness_ratio", "texture_threshold", "fullDP",        "disp12MaxDiff"};
 
-/// The list of dynamic_reconfigure::Config that holds parameters of type Value.
+/// The list of dynamic_reconfigure::Config for parameters of type Value.
 template <typename Value>
 auto& listOf(dynamic_reconfigure::Config& message) {
   if constexpr (std::is_same_v<Value, bool>) {
@@ -36,8 +36,8 @@ auto& listOf(dynamic_reconfigure::Config& message) {
   }
 }
 
-/// Calls use(entry) with the entry of `message` that has the name and type of `parameter`; the
-/// entry has the members name and value.
+/// Calls use(entry) with the entry of `message` that has the name and type of `parameter`; an entry
+/// has the members name and value.
 template <typename Use>
 void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter, const Use& use) {
   std::visit(
@@ -55,7 +55,7 @@ void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter,
       parameter.default_value);
 }
 
-/// Whether two values are the same to the core, which keeps real numbers as float.
+/// Compares as the core does, which stores real numbers as float.
 template <typename Value>
 bool sameValue(Value a, Value b) {
   if constexpr (std::is_same_v<Value, double>) {
@@ -122,7 +122,7 @@ std::string presetOf(const std::string& preset, const StereoOptions& options) {
   try {
     applyPreset(preset, made);
   } catch (const Error&) {
-    return kNoPreset;  // the file has gone since
+    return kNoPreset;  // the file no longer exists
   }
   correctOptions(made);
   return describeOptions(made) == describeOptions(options) && !preset.empty() ? preset : kNoPreset;
@@ -158,7 +158,8 @@ std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
   }
   std::vector<std::string> all = namesOf(stereoPrivateParameters());
   all.insert(all.end(), of_method.begin(), of_method.end());
-  all.insert(all.end(), kStockOnly.begin(), kStockOnly.end());  // foreign, but known
+  all.insert(all.end(), kStockOnly.begin(),
+             kStockOnly.end());  // handled by describeForeignParameters
   auto sentences = describeUnknownParameters(private_nh, all);
   for (auto& sentence : describeUnknownArguments(arguments, of_method)) {
     sentences.push_back(std::move(sentence));

@@ -8,46 +8,48 @@
 #include "cbmv_stereo/options.h"
 #include <cbmv_stereo/StereoConfig.h>
 
-// StereoOptions and the parameters of cfg/Stereo.cfg, matched by name through stereoParameters().
+// Maps StereoOptions to the parameters of cfg/Stereo.cfg by name (stereoParameters()).
 
 namespace cbmv {
 
-/// Sets every parameter of `options` from `config`. Throws Error if a name of the table is not in
-/// cfg/Stereo.cfg, or a value is refused (dynamic_reconfigure does not clamp NaN).
+/// Sets every parameter of `options` from `config`. Throws Error if a parameter is missing in
+/// cfg/Stereo.cfg or a value is invalid (dynamic_reconfigure does not clamp NaN).
 void applyConfig(const cbmv_stereo::StereoConfig& config, StereoOptions& options);
 
-/// The opposite direction: writes every parameter of `options` into `config`.
+/// Writes every parameter of `options` into `config`.
 void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config);
 
-/// The entry min_confidence, which is about publishing and no option of the method. Throws Error if
-/// it is not a number.
+/// The value min_confidence, which affects publishing and is not part of StereoOptions. Throws
+/// Error if it is not a number.
 float minConfidence(const cbmv_stereo::StereoConfig& config);
 
-/// The entry preset of a configuration that takes its values from none.
+/// Value of `preset` in a configuration without a preset.
 inline constexpr const char* kNoPreset = "custom";
 
-/// The file of a preset: empty for kNoPreset and for nothing, else as presets.h says, with the
-/// names of config/ of this package. Throws Error that lists the names if there is none.
+/// Path of a preset file; empty for kNoPreset and for the empty string. See presets.h for the
+/// rules; names refer to config/ of this package. Throws Error with the list of names if the preset
+/// does not exist.
 std::string presetPath(const std::string& preset);
 
-/// Sets what the preset names. Throws Error that names the file (readPreset), or that lists the
-/// names that there are.
+/// Sets the values of the preset. Throws Error with the file (readPreset) or with the list of
+/// preset names.
 void applyPreset(const std::string& preset, StereoOptions& options);
 
-/// `preset`, or kNoPreset if `options` are not what it makes of them.
+/// `preset` if it yields exactly `options`, else kNoPreset.
 std::string presetOf(const std::string& preset, const StereoOptions& options);
 
-/// Makes `options` (from a preset) the parameters' values on the parameter server, except where
-/// there already is one: that one is explicit and wins. Returns one sentence for each that differs.
+/// Sets the values of `options` (from a preset) on the parameter server, except parameters that are
+/// already set: explicit values win. Returns one message per parameter whose explicit value
+/// differs.
 std::vector<std::string> offerParameters(const StereoOptions& options, ros::NodeHandle& private_nh);
 
-/// One sentence for each private parameter that is not taken as it is on the parameter server: out
-/// of its range here (stereo_image_proc's P1 and P2 have other units), or one of
-/// stereo_image_proc's that has no meaning here.
+/// One message per private parameter whose value is not used as set: it is outside its range (P1
+/// and P2 of stereo_image_proc have other units), or it is a parameter of stereo_image_proc that
+/// does not exist here.
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh);
 
-/// One sentence for each private parameter that the nodelet cbmv_stereo/stereo does not know, and
-/// for each argument that the launch file does not (describeUnknownArguments).
+/// One message per private parameter that the nodelet cbmv_stereo/stereo does not know, and per
+/// unknown launch file argument (describeUnknownArguments).
 std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
                                               const std::string& arguments);
 

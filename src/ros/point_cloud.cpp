@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Where the fields of a point are, in bytes.
+/// Byte offsets of the fields of a point.
 struct Layout {
   std::uint32_t rgb;
   std::uint32_t confidence;
@@ -21,7 +21,7 @@ struct Layout {
   std::uint32_t point_step;
 };
 
-/// The padding of 32 bytes a point is what PCL's types have.
+/// PCL's point types are padded to 32 bytes.
 Layout layoutOf(const CloudOptions& options) {
   if (!options.compact) {
     return {16, 20, 24, 32};
@@ -68,14 +68,14 @@ bool isInside(double z, const CloudOptions& options) {
   return z >= options.min_depth_m && (options.max_depth_m == 0 || z <= options.max_depth_m);
 }
 
-/// Point of pixel (x, y) in metres; NaN if it has no disparity or is outside of the limits.
+/// Point of pixel (x, y) in meters; NaN if it has no disparity or is outside the limits.
 cv::Vec3f toPointInside(const StereoGeometry& geometry, const CloudOptions& options, int x, int y,
                         float disparity_px) {
   const cv::Vec3f point = toPoint(geometry, x, y, disparity_px);
   return isInside(point[2], options) ? point : cv::Vec3f::all(kNone);
 }
 
-/// Of a pixel that has the point `point`.
+/// Standard deviation of pixel (x, y) with the point `point`.
 float sigmaOf(const CloudSource& source, const cv::Vec3f& point, int x, int y) {
   const bool is_known = !source.depth_sigma.empty() && !std::isnan(point[2]);
   return is_known ? source.depth_sigma.at<float>(y, x) : kNone;

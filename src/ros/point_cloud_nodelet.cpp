@@ -16,10 +16,11 @@ namespace cbmv {
 namespace {
 
 constexpr double kWatchPeriodS = 0.25;
-/// Causes of warnings besides the values of InputFault.
+/// Causes of warnings in addition to InputFault.
 enum Cause { kFailed = 100, kColorUnusable, kWrongStamps };
 
-/// The message says itself what Z = f T / d is; one that does not is read by the calibration.
+/// Uses f and T of the message for Z = f T / d; if they are invalid, those of the calibration
+/// remain.
 void takeFocalLengthAndBaseline(const stereo_msgs::DisparityImage& disparity,
                                 StereoGeometry& geometry) {
   if (std::isfinite(disparity.f) && std::isfinite(disparity.T) && disparity.f > 0 &&
@@ -50,7 +51,7 @@ void PointCloudNodelet::initialize() {
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) {
     guarded(getName(), [this] { updateSubscriptions(); });
   };
-  // Until the publisher is there, a subscriber that comes at once has to wait.
+  // Makes an early subscriber wait until the publisher exists.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
   inputs_ = std::make_unique<CloudInputs>(
       getNodeHandle(), parameters,
@@ -69,8 +70,8 @@ void PointCloudNodelet::stop() {
     const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
     stopping_ = true;
   }
-  // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
-  // publisher waits for its callbacks when it goes.
+  // Stops first whatever calls back, then the worker. Does not hold the mutex: the destructor of a
+  // publisher waits for its callbacks.
   silence_timer_.stop();
   inputs_.reset();
   worker_.reset();

@@ -15,7 +15,7 @@
 
 namespace cbmv {
 
-/// One synchronised set of inputs of a cloud.
+/// One synchronized set of inputs for a cloud.
 struct CloudMessages {
   sensor_msgs::ImageConstPtr color;
   sensor_msgs::CameraInfoConstPtr left_info;
@@ -23,39 +23,39 @@ struct CloudMessages {
   sensor_msgs::CameraInfoConstPtr right_info;
 };
 
-/// Makes a cloud of the disparity image of any node, with the topics and parameters of
-/// stereo_image_proc/point_cloud2. Inputs are subscribed only while the cloud has a subscriber.
+/// Converts the disparity image of any node to a point cloud, with the topics and parameters of
+/// stereo_image_proc/point_cloud2. Subscribes to its inputs only while the cloud has a subscriber.
 class PointCloudNodelet : public nodelet::Nodelet {
  public:
   PointCloudNodelet() = default;
   ~PointCloudNodelet() override;
 
  private:
-  /// Throws Error, after having logged it as fatal, if the nodelet cannot work as configured.
+  /// Throws Error, and logs it as fatal, if the configuration is invalid.
   void onInit() override;
   void initialize();
   void stop();
   void updateSubscriptions();
   void reportInputs();
 
-  // In the worker's thread
+  // Called by the worker thread:
   void work(const CloudMessages& messages);
   sensor_msgs::PointCloud2 makeCloud(const CloudMessages& messages);
   cv::Mat colorOf(const CloudMessages& messages, cv::Size size);
 
-  /// At most one warning per cause in a while.
+  /// Logs at most one warning per cause and period.
   void warn(int cause, const std::string& sentence);
 
   CloudOptions options_;
   TopicNames topics_;               ///< resolved
-  std::mutex subscriptions_mutex_;  ///< of what follows
+  std::mutex subscriptions_mutex_;  ///< protects the members below
   bool stopping_ = false;
   std::unique_ptr<CloudInputs> inputs_;
   ros::Publisher publisher_;
 
   ros::WallTimer silence_timer_;
   WarningThrottle throttle_{5.0};
-  std::unique_ptr<FrameWorker<CloudMessages>> worker_;  ///< stops first
+  std::unique_ptr<FrameWorker<CloudMessages>> worker_;  ///< stopped first
 };
 
 }  // namespace cbmv

@@ -10,20 +10,20 @@ namespace cbmv {
 
 using PrivateValue = std::variant<bool, int, double, std::string>;
 
-/// A private parameter that is read once, when a nodelet comes up.
+/// A private parameter that is read once, at the start of a nodelet.
 struct PrivateParameter {
   std::string name;
   PrivateValue default_value;
-  double lowest = 0;   ///< of numbers, inclusive
-  double highest = 0;  ///< of numbers, inclusive
+  double lowest = 0;   ///< numbers only, inclusive
+  double highest = 0;  ///< numbers only, inclusive
   std::string unit;
   std::string description;
 };
 
-/// What the nodelet cbmv_stereo/stereo reads, in the order of docs/ros.md.
+/// Private parameters of the nodelet cbmv_stereo/stereo, in the order of docs/ros.md.
 std::vector<PrivateParameter> stereoPrivateParameters();
 
-/// What the nodelet cbmv_stereo/point_cloud2 reads.
+/// Private parameters of the nodelet cbmv_stereo/point_cloud2.
 std::vector<PrivateParameter> pointCloudPrivateParameters();
 
 std::vector<std::string> namesOf(const std::vector<PrivateParameter>& table);
@@ -31,14 +31,14 @@ std::vector<std::string> namesOf(const std::vector<PrivateParameter>& table);
 /// "0 to 1000000".
 std::string rangeText(double lowest, double highest);
 
-/// The values on the parameter server of a table of parameters.
+/// The values of a parameter table on the parameter server.
 class PrivateParameters {
  public:
   PrivateParameters(const ros::NodeHandle& private_nh, std::vector<PrivateParameter> table);
 
-  /// The value that was set, else the default; Value is the type of the default. Throws Error if
-  /// what was set has another type or is out of range, and std::logic_error for a name or type that
-  /// the table does not have.
+  /// Returns the value if it is set, else the default. Value is the type of the default. Throws
+  /// Error if the value has the wrong type or is out of range, and std::logic_error for a name or
+  /// type that is not in the table.
   template <typename Value>
   Value get(const std::string& name) const;
 

@@ -24,20 +24,20 @@ namespace cbmv {
 struct SyncOptions {
   int queue_size = 5;
   bool approximate = false;
-  double max_interval_s = 0;  ///< with approximate; 0: no bound
+  double max_interval_s = 0;  ///< with approximate; 0: no limit
 };
 
-/// Pairs of messages of two topics, by the rule that recordings are paired by (pairStamps): each is
-/// the nearest in time to the other, and their stamps are equal or, with `approximate`, not farther
-/// apart than max_interval_s. A pair comes as soon as it is certain: at once if the stamps are
-/// equal, else when the topic with the earlier stamp has its next message.
+/// Pairs messages of two topics by the same rule as bag files (pairStamps): each message is nearest
+/// in time to the other, and the stamps are equal or, with `approximate`, at most max_interval_s
+/// apart. A pair is passed on as soon as it is certain: immediately if the stamps are equal, else
+/// when the topic with the earlier stamp has its next message.
 ///
-/// No message ever blocks others, whatever its stamp: partners are looked up, and the oldest in
-/// order of arrival makes room. What waits with older stamps than those of a pair is dropped with
-/// it, so pairs do not go back in time but where the stamps of both topics do.
+/// A message never blocks others, whatever its stamp. A full queue drops the message that arrived
+/// first. A pair also drops all waiting messages with older stamps. So pairs never go back in time
+/// unless the stamps of both topics do.
 ///
-/// message_filters' policies do not do: ExactTime gives up the smallest stamps first, so messages
-/// of a time to come keep all others from being paired. Not for several threads at a time.
+/// The policies of message_filters are not sufficient: ExactTime drops the smallest stamps first,
+/// so messages with a future stamp block all others. Not thread-safe.
 template <typename First, typename Second>
 class StampPairing {
  public:
@@ -45,8 +45,8 @@ class StampPairing {
   using Pointer = boost::shared_ptr<const Message>;
   using Callback = std::function<void(const Pointer<First>&, const Pointer<Second>&)>;
 
-  /// Stamps that go back on a topic by more begin another time: a recording that loops. By less,
-  /// messages are out of order.
+  /// A larger step back in the stamps of a topic starts a new time: a looping bag. A smaller one is
+  /// a message out of order.
   static constexpr double kJumpS = 0.5;
 
   StampPairing(const SyncOptions& options, Callback callback)
@@ -54,7 +54,7 @@ class StampPairing {
         largest_distance_ns_(largestDistanceNs(options)),
         callback_(std::move(callback)) {}
 
-  /// Calls back with each pair that the message makes certain.
+  /// Calls back with each pair that this message makes certain.
   template <std::size_t kTopic>
   void add(const Pointer<std::tuple_element_t<kTopic, std::tuple<First, Second>>>& message) {
     const ros::Time& stamp = message->header.stamp;
@@ -71,7 +71,7 @@ class StampPairing {
     }
   }
 
-  /// Drops all that waits.
+  /// Drops all waiting messages.
   void clear() {
     waiting_ = {};
     newest_stamps_ = {};
@@ -94,7 +94,8 @@ class StampPairing {
     return std::abs(nanosecondsBetween(message->header.stamp, stamp));
   }
 
-  /// Of messages as near: the one with the earlier stamp; of equal stamps: the one that came last.
+  /// At equal distance, prefers the earlier stamp; with equal stamps, the message that arrived
+  /// last.
   template <typename Message>
   static const Pointer<Message>& nearest(const Queue<Message>& waiting, const ros::Time& stamp) {
     return *std::min_element(waiting.rbegin(), waiting.rend(), [&](const auto& a, const auto& b) {
@@ -103,7 +104,7 @@ class StampPairing {
     });
   }
 
-  /// Whether the next message of the topic is there, too.
+  /// Whether the next message of the topic has arrived.
   template <typename Message>
   static bool isFollowed(const Queue<Message>& waiting, const Pointer<Message>& message) {
     return std::any_of(waiting.begin(), waiting.end(), [&](const auto& other) {
@@ -152,7 +153,7 @@ class StampPairing {
     dropIf(waiting, [&](const ros::Time& waits) { return waits <= stamp; });
   }
 
-  /// Drops what is of a later time than messages with `stamp`.
+  /// Drops messages from a later time than `stamp`.
   void dropAfter(const ros::Time& stamp) {
     const auto is_later = [&](const ros::Time& waits) {
       return secondsBetween(stamp, waits) > kJumpS;
@@ -165,7 +166,7 @@ class StampPairing {
   const std::int64_t largest_distance_ns_;
   const Callback callback_;
   std::tuple<Queue<First>, Queue<Second>> waiting_;
-  std::array<std::optional<ros::Time>, 2> newest_stamps_;  ///< of each topic's last message
+  std::array<std::optional<ros::Time>, 2> newest_stamps_;  ///< stamp of each topic's last message
 };
 
 }  // namespace cbmv

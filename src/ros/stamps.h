@@ -6,8 +6,8 @@
 
 namespace cbmv {
 
-/// From `earlier` to `later`, for any stamps: ros::Time's own difference throws beyond 68 years,
-/// which stamps that a driver has not set exceed.
+/// Time from `earlier` to `later`, for any stamps. The difference operator of ros::Time throws
+/// above 68 years, which happens if a driver does not set the stamp.
 inline std::int64_t nanosecondsBetween(const ros::Time& earlier, const ros::Time& later) {
   return static_cast<std::int64_t>(later.toNSec()) - static_cast<std::int64_t>(earlier.toNSec());
 }

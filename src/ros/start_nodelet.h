@@ -7,8 +7,9 @@
 
 namespace cbmv {
 
-/// Runs the `initialize` of the nodelet called `name`. If it throws, logs why as fatal, runs `stop`
-/// and throws on: nodelet::Loader frees the callback queues before it frees a nodelet that threw.
+/// Runs `initialize` of the nodelet `name`. If it throws, logs the error as fatal, runs `stop` and
+/// rethrows. `stop` is needed because nodelet::Loader frees the callback queues before a nodelet
+/// that threw.
 template <typename Initialize, typename Stop>
 void startNodelet(const std::string& name, const Initialize& initialize, const Stop& stop) {
   try {

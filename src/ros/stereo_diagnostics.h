@@ -16,21 +16,21 @@
 
 namespace cbmv {
 
-/// From when on diagnostics and log warn.
+/// Limits above which diagnostics and log warn.
 struct DiagnosticsLimits {
-  double silence_s = 3;           ///< without a pair while an output is wanted
-  double age_s = 1;               ///< from stamp to publishing; 0: no bound
-  double vertical_offset_px = 1;  ///< root mean square over the image; 0: no bound
+  double silence_s = 3;           ///< time without a pair while an output has a subscriber
+  double age_s = 1;               ///< time from stamp to publishing; 0: no limit
+  double vertical_offset_px = 1;  ///< RMS over the image; 0: no limit
 };
 
-/// One sentence if the vertical offset that was measured is larger than `limit_px` (0: no bound):
-/// by how much, and what the correction leaves of it; else empty.
+/// A warning if the measured vertical offset exceeds `limit_px` (0: no limit), with the offset and
+/// the residual vertical offset after the rectification correction; else empty.
 std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px);
 
-/// Why a frame does not come out.
+/// Reasons for dropping a frame.
 enum class FrameDrop { kBusy, kBadInput, kFailed };
 
-/// Values of the last kSpanS.
+/// Values of the last kSpanS seconds.
 class RecentValues {
  public:
   static constexpr double kSpanS = 10;
@@ -49,22 +49,22 @@ class RecentValues {
   std::deque<Entry> values_;
 };
 
-/// Counts what becomes of the frames and tells how the node is doing, in the words of
-/// diagnostic_msgs; docs/ros.md has the table. Callable from several threads. Needs no master.
+/// Counts frames by outcome and reports the state of the node as diagnostic_msgs; see the table in
+/// docs/ros.md. Thread-safe. Needs no ROS master.
 class StereoDiagnostics {
  public:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
   StereoDiagnostics(const DiagnosticsLimits& limits, std::string forest, int threads);
 
-  /// Whether inputs are subscribed; without, silence is as it should be.
+  /// Whether inputs are subscribed. Without subscription, silence is not an error.
   void setWanted(bool wanted, ros::SteadyTime now);
   void received(ros::SteadyTime now);
-  /// Why no pair comes, see SyncMonitor.
+  /// Reports why no pairs arrive, see SyncMonitor.
   void silent(const std::string& report);
-  /// What is wrong with stamps, see SyncMonitor.
+  /// Reports wrong stamps, see SyncMonitor.
   void stampsAreWrong(const std::string& report, ros::SteadyTime now);
-  /// Why parameters do not have the values that were asked for.
+  /// Reports why parameters differ from the requested values.
   void parametersDiffer(const std::string& report);
   void dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now);
   void processed(const ProcessedFrame& frame, ros::SteadyTime now);
@@ -79,11 +79,11 @@ class StereoDiagnostics {
   void describeMethod(Status& status, ros::SteadyTime now) const;
   void describeRectification(Status& status, ros::SteadyTime now) const;
 
-  /// Adds all of them; the updater must not outlive this object.
+  /// Adds all of the above tasks. The updater must not outlive this object.
   void addTo(diagnostic_updater::Updater& updater) const;
 
  private:
-  /// What is kept of the newest frame that was processed.
+  /// Data of the newest processed frame.
   struct Newest {
     cv::Size size;
     StereoGeometry geometry;
@@ -94,12 +94,12 @@ class StereoDiagnostics {
     RectificationState rectification;
     bool is_corrected = false;
     std::string misalignment;
-    std::vector<std::string> warnings;  ///< of input and calibration
+    std::vector<std::string> warnings;  ///< about input and calibration
   };
   struct Fault {
     std::string sentence;
     ros::SteadyTime time;
-    bool is_refusal = false;  ///< of the newest frame, for its messages
+    bool is_refusal = false;  ///< the newest frame was rejected for its messages
   };
 
   double silenceS(ros::SteadyTime now) const;
@@ -110,9 +110,9 @@ class StereoDiagnostics {
   const std::string forest_;
   const int threads_;
 
-  mutable std::mutex mutex_;  ///< of all below
+  mutable std::mutex mutex_;  ///< protects the members below
   bool wanted_ = false;
-  ros::SteadyTime waiting_since_;  ///< for the next pair
+  ros::SteadyTime waiting_since_;  ///< start of the wait for the next pair
   std::string silence_report_;
   std::string stamp_report_;
   std::string parameter_report_;

@@ -20,9 +20,9 @@ namespace cbmv {
 namespace {
 
 constexpr double kWatchPeriodS = 0.25;
-constexpr std::chrono::milliseconds kColorPatience(50);  // colour is rectified after grey
+constexpr std::chrono::milliseconds kColorPatience(50);  // color is rectified after gray
 
-/// Causes of warnings besides the values of InputFault.
+/// Causes of warnings in addition to InputFault.
 enum Cause {
   kFailed = 100,
   kRangeClipped,
@@ -51,8 +51,8 @@ void StereoNodelet::stop() {
     stopping_ = true;
     color_subscriber_.shutdown();
   }
-  // First whatever calls back, then the worker that the callbacks feed. Without the mutex: a
-  // publisher waits for its callbacks when it goes.
+  // Stops first whatever calls back, then the worker. Does not hold the mutex: the destructor of a
+  // publisher waits for its callbacks.
   config_server_.reset();
   watch_timer_.stop();
   inputs_.reset();
@@ -88,7 +88,8 @@ StereoOptions StereoNodelet::readOptions(const PrivateParameters& parameters) {
     }
   }
   options.threads = parameters.get<int>("threads");
-  correctOptions(options);  // reported when the parameter server's values are applied
+  correctOptions(
+      options);  // corrections are reported when the parameter server's values are applied
   return options;
 }
 
@@ -137,7 +138,7 @@ void StereoNodelet::openTopics(const PrivateParameters& parameters) {
   cloud_options.with_confidence = parameters.get<bool>("points_confidence");
   cloud_options.with_sigma = parameters.get<bool>("points_sigma");
 
-  // Until all outputs are there, a subscriber that comes at once has to wait.
+  // Makes an early subscriber wait until all outputs exist.
   const std::lock_guard<std::mutex> lock(subscriptions_mutex_);
   inputs_ =
       std::make_unique<StereoInputs>(nh, parameters, stereoInputNames(nh, parameters),
@@ -186,7 +187,7 @@ void StereoNodelet::updateColorSubscription() {
 
 void StereoNodelet::watch() {
   reportInputs();
-  // Not update(), which goes by ROS time: that stands still or jumps back with recordings.
+  // update() would use ROS time, which can stop or jump back when a bag is played.
   const ros::SteadyTime now = ros::SteadyTime::now();
   if ((now - last_update_).toSec() >= updater_->getPeriod()) {
     last_update_ = now;
@@ -232,7 +233,7 @@ void StereoNodelet::reportParameters(const std::string& sentence) {
   diagnostics_->parametersDiffer(sentence);
 }
 
-/// A preset that is chosen anew sets its values; one that was there already yields to the others.
+/// A newly selected preset overrides the other values; an unchanged one does not.
 StereoOptions StereoNodelet::optionsOf(const cbmv_stereo::StereoConfig& config) const {
   StereoOptions options = options_;
   applyConfig(config, options);
@@ -269,7 +270,7 @@ void StereoNodelet::work(const StereoMessages& frame) {
   }
 }
 
-/// The rig's faults are logged seldom, as they stay: the diagnostics hold them all the time.
+/// Persistent faults of the rig are logged rarely; the diagnostics always show them.
 void StereoNodelet::warnOf(const ProcessedFrame& processed) {
   reportRange(processed);
   if (!processed.range_correction.empty()) {

@@ -26,10 +26,10 @@
 
 namespace cbmv {
 
-/// Wires topics and parameters to FrameProcessor; docs/ros.md lists them.
+/// Connects topics and parameters to FrameProcessor; docs/ros.md lists them.
 ///
-/// Inputs are subscribed only while an output has a subscriber, and each output is built only while
-/// it has one itself. Callbacks only hand frames over to the worker's thread, which converts,
+/// Subscribes to its inputs only while an output has a subscriber, and builds each output only
+/// while it has a subscriber. Callbacks only pass frames to the worker thread, which converts,
 /// matches and publishes.
 class StereoNodelet : public nodelet::Nodelet {
  public:
@@ -37,7 +37,7 @@ class StereoNodelet : public nodelet::Nodelet {
   ~StereoNodelet() override;
 
  private:
-  /// Throws Error, after having logged it as fatal, if the nodelet cannot work as configured.
+  /// Throws Error, and logs it as fatal, if the configuration is invalid.
   void onInit() override;
   void initialize();
   void stop();
@@ -47,7 +47,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void openDiagnostics(const PrivateParameters& parameters);
   void openTopics(const PrivateParameters& parameters);
 
-  /// Called when a subscriber of an output comes or goes.
+  /// Called when a subscriber of an output connects or disconnects.
   void updateSubscriptions();
   void updateColorSubscription();
   void watch();
@@ -58,37 +58,37 @@ class StereoNodelet : public nodelet::Nodelet {
   StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 
-  // In the worker's thread
+  // Called by the worker thread:
   void work(const StereoMessages& frame);
   void warnOf(const ProcessedFrame& processed);
-  /// Logs an automatic range when it changes.
+  /// Logs an automatic disparity range when it changes.
   void reportRange(const ProcessedFrame& processed);
   cv::Mat colorOf(const StereoMessages& frame, const ProcessedFrame& processed);
-  /// Warns once of an output that wants the standard deviation, which the forest does not tell.
+  /// Warns once per output that needs the standard deviation if the forest does not provide it.
   void warnOfNoSigma(const std::string& topic, const std::string& effect);
-  /// How long a colour image may come after the pair is matched.
+  /// How long to wait for the color image after the pair is matched.
   std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
 
   void drop(FrameDrop drop, int cause, const std::string& sentence);
-  /// At most one warning per cause in a while.
+  /// Logs at most one warning per cause and period.
   void warn(int cause, const std::string& sentence);
 
   std::string forest_name_;
   int threads_ = 0;
   std::unique_ptr<FrameProcessor> processor_;
-  // Of the worker's thread
+  // Used by the worker thread only:
   FollowedOffset offset_;
   FollowedRange range_;
   std::optional<DisparityRange> reported_range_;
-  std::set<std::string> without_sigma_;  ///< outputs that were warned of
+  std::set<std::string> without_sigma_;  ///< outputs already warned about
 
   bool allow_different_frame_ids_ = true;
   StereoTopics topics_;
   std::string color_name_;   ///< as configured
   std::string color_topic_;  ///< resolved
 
-  std::mutex subscriptions_mutex_;  ///< of what follows
+  std::mutex subscriptions_mutex_;  ///< protects the members below
   bool stopping_ = false;
   std::unique_ptr<StereoInputs> inputs_;
   std::unique_ptr<image_transport::ImageTransport> color_transport_;
@@ -98,18 +98,18 @@ class StereoNodelet : public nodelet::Nodelet {
   std::optional<ColorBuffer> colors_;
   std::unique_ptr<StereoDiagnostics> diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::SteadyTime last_update_;  ///< of diagnostics
-  ros::WallTimer watch_timer_;   ///< looks after inputs and diagnostics
+  ros::SteadyTime last_update_;  ///< time of the last diagnostics update
+  ros::WallTimer watch_timer_;   ///< checks inputs and diagnostics
 
   boost::recursive_mutex config_mutex_;
   StereoOptions options_;
-  std::string preset_;  ///< that options_ are of, or kNoPreset
+  std::string preset_;  ///< preset of options_, or kNoPreset
   float min_confidence_ = 0;
   std::unique_ptr<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>> config_server_;
 
   WarningThrottle throttle_{5.0};
   WarningThrottle rig_throttle_{60.0};
-  std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stops first
+  std::unique_ptr<FrameWorker<StereoMessages>> worker_;  ///< stopped first
 };
 
 }  // namespace cbmv

@@ -9,13 +9,14 @@
 namespace cbmv {
 namespace {
 
-/// Cameras that run freely at the same rate are apart by half a period at most.
+/// Limits of the suggested interval. Free-running cameras with equal rates differ by at most half a
+/// period.
 constexpr double kLowestBoundS = 0.1;
 constexpr double kHighestBoundS = 0.5;
 
 double fixed(double value) { return std::round(value * 1000) / 1000; }
 
-/// With a margin, in whole milliseconds.
+/// Adds a margin and rounds up to whole milliseconds.
 double neededIntervalS(double distance_s) { return std::ceil(1.5 * distance_s * 1000) / 1000; }
 
 std::string unsetAdvice(const std::string& topic) {

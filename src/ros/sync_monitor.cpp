@@ -31,7 +31,7 @@ bool areUnset(const std::deque<ros::Time>& stamps) {
   return std::all_of(stamps.begin(), stamps.end(), [](const ros::Time& t) { return t.isZero(); });
 }
 
-/// Stamps that are later than all of the other topic.
+/// Number of stamps later than all stamps of the other topic.
 int countLater(const std::deque<ros::Time>& stamps, const std::deque<ros::Time>& others) {
   const ros::Time newest = *std::max_element(others.begin(), others.end());
   return static_cast<int>(
@@ -58,7 +58,7 @@ void SyncMonitor::received(std::size_t input, const ros::Time& stamp) {
   compare(stamp, stamps_[input]);
 }
 
-/// Notes what is to be reported.
+/// Records stamps that go back or repeat.
 void SyncMonitor::compare(const ros::Time& stamp, Stamps& stamps) {
   const auto before = std::exchange(stamps.newest, stamp);
   if (before == stamp) {
@@ -144,7 +144,7 @@ std::string SyncMonitor::describeTopic(std::size_t input, const TopicState& stat
   return words;
 }
 
-/// What to do; empty where the topics that nothing comes on say all.
+/// What to do; empty if the list of silent topics is sufficient.
 std::string SyncMonitor::advice(const TopicStates& states, double elapsed_s) const {
   std::string unpublished;
   std::string uncalibrated;
@@ -174,7 +174,7 @@ std::string SyncMonitor::advice(const TopicStates& states, double elapsed_s) con
   return sentence;
 }
 
-/// Of topics that both arrive.
+/// Both topics must have messages.
 StampRelation SyncMonitor::relation(double elapsed_s) const {
   StampRelation relation;
   relation.distance_s = typicalDistanceS();
@@ -185,7 +185,7 @@ StampRelation SyncMonitor::relation(double elapsed_s) const {
   return relation;
 }
 
-/// Median distance of the second topic's stamps to the nearest of the first one's.
+/// Median distance of a stamp of the second topic to the nearest stamp of the first.
 double SyncMonitor::typicalDistanceS() const {
   std::vector<double> distances;
   for (const ros::Time& stamp : topics_[kSecond].stamps) {

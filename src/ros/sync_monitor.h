@@ -15,42 +15,41 @@
 
 namespace cbmv {
 
-/// The inputs of a nodelet: two topics whose messages are paired, and the camera_info of either.
+/// Inputs of a nodelet: two topics whose messages are paired, and the camera_info of each.
 enum InputIndex : std::size_t { kFirst, kFirstInfo, kSecond, kSecondInfo, kInputs };
 
-/// Watches the inputs, and tells people why nothing comes of them. Callable from several threads.
-/// Needs no master.
+/// Monitors the inputs and reports why no pairs arrive. Thread-safe. Needs no ROS master.
 class SyncMonitor {
  public:
   explicit SyncMonitor(const SyncOptions& options) : options_(options) {}
 
-  /// Begins to wait for a set: what came before does not count.
+  /// Starts waiting for a set; discards earlier observations.
   void restart(ros::SteadyTime now);
   void received(std::size_t input, const ros::Time& stamp);
   void synchronized(ros::SteadyTime now);
 
-  /// What is said about a topic besides its messages.
+  /// State of a topic besides its messages.
   struct TopicState {
     std::string name;  ///< resolved
     bool has_publisher = false;
   };
   using TopicStates = std::array<TopicState, kInputs>;
 
-  /// A report if no set has come for kFirstReportS, and from the first report on for kNextReportS
-  /// (slow cameras are not reported all the time); else empty. Says of each topic at what rate
-  /// messages come, whether anybody publishes it, how far the stamps of the second topic are from
-  /// those of the first, and what to do.
+  /// Returns a report if no set has arrived for kFirstReportS; after the first report, for
+  /// kNextReportS, so that slow cameras are not reported repeatedly. Else empty. The report has,
+  /// per topic, the message rate and whether there is a publisher, then the distance between the
+  /// stamps of both topics and what to do.
   std::string report(ros::SteadyTime now, const TopicStates& states);
 
-  /// What was wrong with stamps since the last call: topics on which they went back or came twice,
-  /// of those that are paired; else empty.
+  /// Stamp errors since the last call: paired topics whose stamps went back or were repeated; else
+  /// empty.
   std::string reportStamps(const std::array<std::string, kInputs>& names);
 
   static constexpr double kFirstReportS = 4;
   static constexpr double kNextReportS = 30;
 
  private:
-  /// Messages of the time that a report is about.
+  /// Messages in the time span of a report.
   struct Topic {
     std::uint64_t count = 0;
     std::deque<ros::Time> stamps;  ///< the newest

@@ -29,7 +29,7 @@ inline SyncOptions readSyncOptions(const PrivateParameters& parameters) {
           parameters.get<double>("approximate_sync_max_interval_s")};
 }
 
-/// An input whose messages can be filtered: images come by an image transport.
+/// An input for message filters; images use an image transport.
 template <typename Message>
 class InputTopic : public message_filters::Subscriber<Message> {
  public:
@@ -50,16 +50,16 @@ class InputTopic<sensor_msgs::Image> : public image_transport::SubscriberFilter 
   std::uint32_t publishers() const { return getNumPublishers(); }
 };
 
-/// Two input topics and the camera_info of either. The messages are paired by equal (or close)
-/// stamps, and handed over with the camera_infos (StampPairing, CalibratedPairs).
+/// Two input topics with their camera_infos. Pairs messages by equal (or close) stamps and passes
+/// them on with their camera_infos (StampPairing, CalibratedPairs).
 template <typename First, typename Second>
 class SynchronizedInputs {
  public:
   using Pairs = CalibratedPairs<First, Second>;
   using Callback = typename Pairs::Callback;
 
-  /// `names` as in the code or as configured, to be resolved and remapped. Throws Error if two of
-  /// them are the same topic.
+  /// `names`: as in the code or as configured; they are resolved and remapped. Throws Error if two
+  /// of them are the same topic.
   SynchronizedInputs(const ros::NodeHandle& nh, const PrivateParameters& parameters,
                      TopicNames names, Callback callback)
       : nh_(nh),
@@ -84,7 +84,7 @@ class SynchronizedInputs {
   const image_transport::TransportHints& hints() const { return hints_; }
   bool isSubscribed() const { return subscribed_; }
 
-  /// Throws image_transport::Exception if there is no such transport; then nothing is subscribed.
+  /// Throws image_transport::Exception if the transport does not exist; then nothing is subscribed.
   void subscribe() {
     {
       const std::lock_guard<std::mutex> lock(pairing_mutex_);
@@ -107,14 +107,14 @@ class SynchronizedInputs {
     subscribed_ = false;
   }
 
-  /// Types of the messages, such as sensor_msgs/Image.
+  /// Message types, for example sensor_msgs/Image.
   static TopicNames types() {
     namespace traits = ros::message_traits;
     return {traits::datatype<First>(), traits::datatype<sensor_msgs::CameraInfo>(),
             traits::datatype<Second>(), traits::datatype<sensor_msgs::CameraInfo>()};
   }
 
-  /// Resolved.
+  /// Resolved topic names.
   TopicNames topics() const {
     TopicNames resolved;
     std::transform(names_.begin(), names_.end(), resolved.begin(),
@@ -122,16 +122,16 @@ class SynchronizedInputs {
     return resolved;
   }
 
-  /// To be called every now and then: hands over what has waited too long for its camera_infos.
+  /// Call regularly: passes on pairs that have waited too long for their camera_infos.
   void handOverIfOverdue() {
     const std::lock_guard<std::mutex> lock(pairing_mutex_);
     pairs_.handOverIfOverdue(ros::SteadyTime::now());
   }
 
-  /// What has been wrong with stamps since the last call (SyncMonitor); else empty.
+  /// Stamp errors since the last call (SyncMonitor); else empty.
   std::string reportStamps() { return monitor_.reportStamps(topics()); }
 
-  /// A report to people if messages are waited for and none are paired (SyncMonitor); else empty.
+  /// A report if the inputs are subscribed and no pairs arrive (SyncMonitor); else empty.
   std::string reportSilence() {
     if (!subscribed_) {
       return {};
@@ -174,7 +174,7 @@ class SynchronizedInputs {
   Callback callback_;
   SyncMonitor monitor_;
   std::atomic<bool> subscribed_{false};
-  std::mutex pairing_mutex_;  ///< of the next two
+  std::mutex pairing_mutex_;  ///< protects the next two members
   Pairs pairs_;
   StampPairing<First, Second> pairing_;
 

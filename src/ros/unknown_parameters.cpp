@@ -10,12 +10,13 @@
 namespace cbmv {
 namespace {
 
-/// Read by diagnostic_updater, and by a nodelet manager that has the name of its nodelet
-/// (nodelet standalone).
+/// Read by diagnostic_updater, and by a nodelet manager with the same name as its nodelet (nodelet
+/// standalone).
 constexpr std::array<const char*, 2> kOfLibraries = {"diagnostic_period", "num_worker_threads"};
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);  // distances of a's beginning to those of b
+  std::vector<std::size_t> row(b.size() +
+                               1);  // distances from the current prefix of a to all prefixes of b
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = row[0]++;
@@ -28,7 +29,7 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// Names right below the namespace; what lies deeper belongs to libraries (image transports).
+/// Names directly below the namespace; deeper names belong to libraries (image transports).
 std::vector<std::string> namesBelow(const ros::NodeHandle& private_nh) {
   const std::string prefix = private_nh.getNamespace() + "/";
   std::vector<std::string> all;
@@ -83,7 +84,7 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
   std::vector<std::string> sentences;
   for (const std::string& name : words(arguments.substr(0, colon))) {
     if (name.rfind("__", 0) == 0) {
-      continue;  // roslaunch's own, as __ns
+      continue;  // reserved by roslaunch, for example __ns
     }
     const std::string nearest = nearestName(name, all);
     std::string sentence =

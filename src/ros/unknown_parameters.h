@@ -7,19 +7,18 @@
 
 namespace cbmv {
 
-/// One sentence for each parameter right below the namespace of `private_nh` that is neither
-/// `known` nor one that the libraries of the nodelet read; it names the nearest known name.
+/// One message per parameter directly below the namespace of `private_nh` that is neither in
+/// `known` nor read by the libraries of the nodelet. It suggests the nearest known name.
 std::vector<std::string> describeUnknownParameters(const ros::NodeHandle& private_nh,
                                                    const std::vector<std::string>& known);
 
-/// One sentence for each argument that a launch file was given and does not have: roslaunch ignores
-/// them. `arguments` is what the launch file says: those, a colon, and all that it has, separated
-/// by blanks. `parameters` can be set, but not by an argument.
+/// One message per launch file argument that the launch file does not declare; roslaunch ignores
+/// these. `arguments`: the given arguments, a colon, and all declared arguments, separated by
+/// blanks. `parameters` can be set as parameters, but not as arguments.
 std::vector<std::string> describeUnknownArguments(const std::string& arguments,
                                                   const std::vector<std::string>& parameters);
 
-/// The name that takes the fewest changes (Levenshtein: a character added, left out or replaced)
-/// to make of `name`; `names` is not empty.
+/// The name with the smallest Levenshtein distance to `name`; `names` must not be empty.
 std::string nearestName(const std::string& name, const std::vector<std::string>& names);
 
 }  // namespace cbmv

@@ -7,12 +7,12 @@
 
 namespace cbmv {
 
-/// Lets one warning per cause through in a while. Causes are numbers of the caller's choice.
+/// Limits warnings to one per cause and period. The caller chooses the cause numbers.
 class WarningThrottle {
  public:
   explicit WarningThrottle(double period_s) : period_s_(period_s) {}
 
-  /// Whether a warning of that cause may be logged now; if so, the next one waits.
+  /// Whether a warning of this cause may be logged now. If so, the period starts again.
   bool isDue(int cause) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const ros::SteadyTime now = ros::SteadyTime::now();

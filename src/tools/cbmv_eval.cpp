@@ -1,4 +1,4 @@
-// Measures the errors of the method, or of ready disparity maps, on pairs with ground truth.
+// Measures the errors of the method, or of existing disparity maps, on pairs with ground truth.
 
 #include <algorithm>
 #include <cstdio>
@@ -43,11 +43,11 @@ struct Arguments {
   bool stereo_sgbm = false;
   bool automatic_range = false;
   cbmv::SceneFilter filter;
-  cbmv::StereoOptions options;  ///< without the presets
+  cbmv::StereoOptions options;  ///< before presets are applied
   cbmv::TrainingOptions training;
 };
 
-/// What is evaluated: the maps, in which order, and the head of the report.
+/// What is evaluated: source of the maps, order of the scenes, and the header of the report.
 struct Evaluation {
   std::vector<std::string> scenes;
   cbmv::DisparitySource source;
@@ -58,14 +58,14 @@ std::string nameOf(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-/// Other scenes may have the same names, so the fingerprint holds the place too, which a checksum
-/// does not tell, and how the truth is read.
+/// Identifies a data set in the fingerprint. It includes the folder, because other data sets may
+/// have scenes with the same names, and the kind, because it determines how the truth is read.
 std::string identityOf(const cbmv::DataSet& data_set) {
   return data_set.title() + " " + data_set.kind() + " " +
          std::filesystem::weakly_canonical(data_set.folder()).string();
 }
 
-/// What the forests of folds are trained on, less what --exclude names.
+/// Training data of the fold forests, without the scenes of --exclude.
 cbmv::DataSet trainingDataSet(const Arguments& arguments, const cbmv::DataSet& data_set) {
   if (arguments.train_data_set.empty()) {
     return data_set;
@@ -79,7 +79,7 @@ cbmv::DataSet trainingDataSet(const Arguments& arguments, const cbmv::DataSet& d
   return training;
 }
 
-/// By the three folds of Middlebury v3.
+/// Sets up the three folds of Middlebury v3.
 void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOptions>& options,
                 const cbmv::DataSet& data_set, std::string& settings, Evaluation& evaluation) {
   if (arguments.folds != 3 || data_set.kind() != "middlebury_v3") {
@@ -99,7 +99,7 @@ void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOption
   evaluation.source = cbmv::foldSource(pool, training, options, cbmv::printLine);
 }
 
-/// Of each preset; without one, the defaults.
+/// One element per preset; the defaults without a preset.
 std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
   if (arguments.presets.size() > 1 && arguments.folds == 0) {
     throw cbmv::Error("there are " + std::to_string(arguments.presets.size()) +
@@ -111,7 +111,7 @@ std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
     cbmv::readPreset(arguments.presets[i], options[i]);
   }
   for (cbmv::StereoOptions& each : options) {
-    each.range = cbmv::DisparityRange();  // each scene brings its own
+    each.range = cbmv::DisparityRange();  // each scene has its own range
     if (arguments.automatic_range) {
       each.range.count = 0;
     }
@@ -157,7 +157,7 @@ Evaluation setUp(const Arguments& arguments, const cbmv::DataSet& data_set) {
 
 using Submission = std::optional<cbmv::SubmissionWriter>;
 
-/// Whether nothing of what this run writes of the scene is missing.
+/// Whether all outputs of this run exist for the scene.
 bool isWritten(const Arguments& arguments, const Submission& submission, const std::string& scene) {
   const std::string base = (std::filesystem::path(arguments.maps) / scene).string();
   return (arguments.maps.empty() || (std::filesystem::exists(base + ".pfm") &&
@@ -193,7 +193,7 @@ void writeReports(const Arguments& arguments, const cbmv::EvaluationReport& repo
   }
 }
 
-/// All that is written, before the work begins.
+/// Checks all outputs before the work starts.
 void requireWritableOutputs(const Arguments& arguments) {
   for (const std::string& folder : {arguments.maps, arguments.submission}) {
     if (!folder.empty()) {
@@ -207,7 +207,7 @@ void requireWritableOutputs(const Arguments& arguments) {
   }
 }
 
-/// No output may replace a forest, a preset, a list of pairs or maps that are measured.
+/// Outputs must not overwrite a forest, a preset, a list of pairs or maps to evaluate.
 void requireOtherOutputs(const Arguments& arguments, const cbmv::DataSet& data_set) {
   std::vector<std::string> inputs = arguments.presets;
   inputs.push_back(data_set.folder());
@@ -218,7 +218,7 @@ void requireOtherOutputs(const Arguments& arguments, const cbmv::DataSet& data_s
   cbmv::requireOtherFiles({arguments.disparities}, {arguments.maps});
 }
 
-/// What the options imply of each other.
+/// Sets options that follow from other options.
 void complete(Arguments& arguments) {
   for (std::string& preset : arguments.presets) {
     preset = cbmv::presetFile(preset);
@@ -254,7 +254,7 @@ cbmv::EvaluationEvents makeEvents(const Arguments& arguments, const Submission& 
   return events;
 }
 
-/// The program that makes the page lies beside this one.
+/// The program that creates the page is installed beside this one.
 void writePage(const Arguments& arguments) {
   const std::filesystem::path tools = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   const std::string page = (std::filesystem::path(arguments.report) / "index.html").string();
@@ -263,7 +263,7 @@ void writePage(const Arguments& arguments) {
   cbmv::printLine("wrote " + page);
 }
 
-/// Tells the results; the last thing to do.
+/// Prints the results; called last.
 void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) {
   if (!report.scenes.empty()) {
     std::printf("\n%s", cbmv::formatReport(report).c_str());
@@ -296,7 +296,7 @@ void evaluate(Arguments arguments) {
   }
   Evaluation evaluation = setUp(arguments, data_set);
   resume(arguments, data_set, submission, evaluation);
-  writeReports(arguments, evaluation.report);  // so that a full disk is found, too
+  writeReports(arguments, evaluation.report);  // detects a full disk early
   const int failed = cbmv::evaluateScenes(data_set, evaluation.scenes, evaluation.source,
                                           makeEvents(arguments, submission), evaluation.report);
   conclude(arguments, evaluation.report);
@@ -378,7 +378,7 @@ void addOutputOptions(CLI::App& app, Arguments& arguments) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{"Measures disparity errors on rectified stereo pairs with ground truth"};
   Arguments arguments;

@@ -30,7 +30,7 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kTool = "cbmv_match";
-constexpr double kMostPxApart = 1.0;  // rows of a rectified pair are closer
+constexpr double kMostPxApart = 1.0;  // limit for the rows of a rectified pair
 constexpr const char* kOutputs[] = {"disparity.pfm",  "disparity.png", "confidence.pfm",
                                     "confidence.png", "depth.pfm",     "cloud.ply"};
 
@@ -39,7 +39,7 @@ struct Arguments {
   std::string left, right, forest, calibration, right_calibration, output;
 };
 
-/// The images may lie in the folder that is written to.
+/// Needed because the output folder may contain the input images.
 void requireOtherOutputs(const Arguments& arguments) {
   const std::vector<std::string> inputs = {arguments.left, arguments.right, arguments.calibration,
                                            arguments.right_calibration};
@@ -56,7 +56,7 @@ std::optional<StereoCameraFile> readCalibration(const Arguments& arguments) {
              : std::optional(readStereoCameras(arguments.calibration, arguments.right_calibration));
 }
 
-/// The images are rectified: what a calibration says of raw ones does not matter.
+/// The images are rectified, so the distortion in the calibration is ignored.
 StereoInput readInput(const Arguments& arguments,
                       const std::optional<StereoCameraFile>& calibration) {
   StereoInput input;
@@ -73,7 +73,7 @@ StereoInput readInput(const Arguments& arguments,
   return input;
 }
 
-/// The calibration's number of disparities counts unless the user gives one, or it tells nothing.
+/// Uses the calibration's number of disparities if it has one and the user gives none.
 StereoOptions readOptions(const Arguments& arguments,
                           const std::optional<StereoCameraFile>& calibration, int image_width) {
   StereoOptions options = readStereoOptions(arguments.stereo, kTool);
@@ -113,7 +113,8 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
   writePly(folder + "cloud.ply", toPoints(valid, toColor8(left), frame.geometry));
 }
 
-/// Depth of images that are not rectified is wrong, even where their rows are aligned afterwards.
+/// Warns about images that are not rectified: their depth is wrong even if their rows are aligned
+/// later.
 void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
   if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
     std::fprintf(
@@ -161,7 +162,7 @@ void match(const Arguments& arguments) {
 }  // namespace
 }  // namespace cbmv
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{
       "Matches a rectified pair: disparity and confidence as PFM and as color PNG; with a "

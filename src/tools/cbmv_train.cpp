@@ -21,7 +21,7 @@
 
 #include "cbmv_stereo/parameters.h"
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{"Trains a forest on rectified stereo pairs with ground truth"};
   std::vector<std::string> data_sets;
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       cbmv::writeSamples(samples, exported);
     }
     cbmv::Forest forest = cbmv::trainOnSamples(samples, scenes, options, progress);
-    samples = {};  // the second forest needs the memory
+    samples = {};  // frees memory for the second forest
     cbmv::trainSecondForest(scenes, options, progress, forest);
     cbmv::writeForest(forest, output);
     std::printf("\nwrote %s: %zu trees\n%s", output.c_str(),

@@ -1,4 +1,4 @@
-// Searches the parameters of optimization and refinement on pairs with ground truth.
+// Searches parameters of optimization and refinement on pairs with ground truth.
 
 #include <algorithm>
 #include <cstdio>
@@ -114,7 +114,7 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{
       "Searches the parameters of optimization and refinement on rectified stereo pairs with "

@@ -33,7 +33,7 @@ inline std::vector<DataSet> openDataSets(const std::vector<std::string>& names) 
   return data_sets;
 }
 
-/// Or the lists.
+/// The folder or list file of each data set.
 inline std::vector<std::string> foldersOf(const std::vector<DataSet>& data_sets) {
   std::vector<std::string> folders;
   for (const DataSet& data_set : data_sets) {
@@ -81,7 +81,7 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
                  "sample (random forest: 1800)")
       ->check(wholeNumber(1, 1000000000000))
       ->capture_default_str();
-  options.search.levels = 3;  // as the presets have it
+  options.search.levels = 3;  // as in the presets
   app.add_option("--search-levels", options.search.levels,
                  "Levels of the coarse-to-fine search that the forest is made for; 0: exhaustive "
                  "search alone")

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// PREFIX/share/cbmv_stereo of a program in PREFIX/lib/cbmv_stereo (with ROS) or PREFIX/bin, else
+/// PREFIX/share/cbmv_stereo for a program in PREFIX/lib/cbmv_stereo (with ROS) or PREFIX/bin, else
 /// the source tree.
 fs::path shareFolder() {
   std::error_code ignored;

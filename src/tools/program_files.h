@@ -9,9 +9,8 @@ inline constexpr const char* kPresetHelp =
 inline constexpr const char* kForestHelp =
     "Forest: a name such as middlebury or middlebury_small, or the path of a file";
 
-/// The file of a preset that is given by its path or its name (presets.h). The presets that have
-/// names are those of config/ that was installed with this program, or of the source tree that it
-/// was built from.
+/// Path of a preset given by path or name (presets.h). Named presets are in config/, installed with
+/// this program or in the source tree it was built from.
 std::string presetFile(const std::string& preset);
 
 /// The same for forests, in models/.

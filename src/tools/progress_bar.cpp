@@ -11,13 +11,13 @@
 namespace cbmv {
 namespace {
 
-constexpr int kWidth = 30;  // of the bar, in characters
+constexpr int kWidth = 30;  // width of the bar in characters
 
 double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// "0:07", "12:30", "1:02:03"
+/// Formats a time: "0:07", "12:30", "1:02:03".
 std::string clockTime(double seconds) {
   const auto whole = std::lround(seconds);
   std::array<char, 32> text{};
@@ -48,7 +48,8 @@ void ProgressBar::show(const std::string& phase, int done, int total, const std:
   if (phase != phase_ || !open_) {
     begin(phase, done);
   }
-  std::fprintf(file_, "\r%s\x1b[K", draw(done, total).c_str());  // and clears what stood behind
+  std::fprintf(file_, "\r%s\x1b[K",
+               draw(done, total).c_str());  // the escape sequence clears the rest of the line
   open_ = true;
   if (done >= total) {
     endLine();

@@ -6,23 +6,22 @@
 
 namespace cbmv {
 
-/// Shows how far a phase of some work is: on a terminal as one line that is redrawn, with a bar,
-/// the steps done of all, steps a second and the time left; else as the plain lines that come with
-/// some steps.
+/// Shows the progress of a phase. On a terminal: one line that is redrawn, with a bar, the finished
+/// and total steps, steps per second and remaining time. Otherwise: the plain lines that some steps
+/// provide.
 class ProgressBar {
  public:
-  /// Seconds from any beginning on.
+  /// Time in seconds from an arbitrary origin.
   using Clock = std::function<double()>;
 
-  /// `file` outlives the bar. The clock is the steady one unless a test brings its own.
+  /// `file` must outlive the bar. Uses the steady clock unless a test passes another one.
   ProgressBar(std::FILE* file, bool terminal, Clock clock = nullptr);
   /// Ends the line.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `done` steps of `total` are done. Another phase than before begins a line. `line` may be
-  /// empty.
+  /// `done` of `total` steps are finished. A new `phase` starts a new line. `line` may be empty.
   void show(const std::string& phase, int done, int total, const std::string& line);
 
  private:
@@ -34,12 +33,12 @@ class ProgressBar {
   bool terminal_;
   Clock clock_;
   std::string phase_;
-  double begin_s_ = 0;  ///< of the phase
+  double begin_s_ = 0;  ///< start of the phase
   int begin_done_ = 0;
-  bool open_ = false;  ///< the line waits for its end
+  bool open_ = false;  ///< the current line has no newline yet
 };
 
-/// Whether a person looks at the file.
+/// Whether the file is a terminal.
 bool isTerminal(std::FILE* file);
 
 }  // namespace cbmv

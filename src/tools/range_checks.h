@@ -7,12 +7,12 @@
 
 #include <CLI/CLI.hpp>
 
-// Checks of numbers on the command line, whose messages name the bounds: those of CLI11 print the
-// largest double.
+// Checks of numbers on the command line. Their messages state the bounds; those of CLI11 print the
+// largest double instead.
 
 namespace cbmv {
 
-/// A check for what `accepts` takes of the numbers; `expected` says what that is.
+/// A validator that accepts a number if `accepts` returns true; `expected` describes valid numbers.
 template <typename Number, typename Accepts>
 CLI::Validator numberCheck(const Accepts& accepts, const std::string& expected) {
   const auto check = [accepts, expected](const std::string& text) {

@@ -12,7 +12,7 @@ namespace cbmv {
 namespace {
 
 constexpr std::size_t kFewestViews = 3;
-constexpr int kCornerWindowPx = 5;  // half the window in which a corner is refined
+constexpr int kCornerWindowPx = 5;  // half size of the window for subpixel refinement
 const cv::TermCriteria kUntilStill(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-6);
 
 void checkViews(const std::vector<BoardView>& views, const Chessboard& board) {
@@ -30,7 +30,7 @@ void checkViews(const std::vector<BoardView>& views, const Chessboard& board) {
   }
 }
 
-/// Rows of the corners once rectified, px.
+/// Rectified positions of the corners, px.
 std::vector<cv::Point2f> rectified(const BoardCorners& corners, const CalibratedCamera& camera) {
   std::vector<cv::Point2f> points;
   cv::undistortPoints(corners, points, camera.matrix, camera.distortion, camera.rotation,

@@ -10,12 +10,12 @@
 
 namespace cbmv {
 
-/// Exit status of a tool that refuses.
+/// Exit status for invalid input.
 inline constexpr int kBadInput = 2;
 
-/// Parses the command line and runs a tool's body: what main returns. 0 where all is well or only
-/// help or the version was asked for; 2 for a wrong command line, which CLI11 explains, and for an
-/// exception of the body, which becomes one line on stderr that begins with the tool's name.
+/// Parses the command line and runs `body`. Returns the exit status: 0 on success, help or version;
+/// 2 for an invalid command line, which CLI11 explains, or if the body throws. The exception is
+/// printed as one line on stderr, starting with the tool's name.
 template <typename Body>
 int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& body) {
   app.set_version_flag("--version", std::string(name) + " " CBMV_VERSION,
@@ -32,7 +32,7 @@ int runTool(CLI::App& app, int argc, char** argv, const char* name, const Body& 
   }
 }
 
-/// To stdout at once, also where it is no terminal.
+/// Prints to stdout and flushes, also if stdout is not a terminal.
 inline void printLine(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);

@@ -13,14 +13,14 @@
 
 namespace cbmv {
 
-/// What a user asks of the matcher on the command line.
+/// Matcher settings from the command line.
 struct StereoArguments {
   std::string preset;
   std::optional<int> disparities, min_disparity, max_memory_mb, threads;
 };
 
-/// An option that sets a parameter: with its description and default, and of whole numbers its
-/// range.
+/// Adds an option for a parameter, with the parameter's description and default, and the range of
+/// integers.
 template <typename Value>
 CLI::Option* addParameterOption(CLI::App& app, const std::string& option, const std::string& name,
                                 Value& value) {
@@ -29,7 +29,7 @@ CLI::Option* addParameterOption(CLI::App& app, const std::string& option, const 
                         describe(parameter) + "; default " + valueText(parameter.default_value));
 }
 
-/// The check of a whole number against the parameter's range.
+/// Checks an integer against the parameter's range.
 inline CLI::Validator rangeOf(const std::string& name) {
   const Parameter parameter = findParameter(name);
   return wholeNumber(static_cast<int>(parameter.lowest), static_cast<int>(parameter.highest));
@@ -50,7 +50,7 @@ inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
       ->check(wholeNumber(0, 1024));
 }
 
-/// Preset and options. Inconsistent values are corrected; stderr says how.
+/// Combines preset and options. Inconsistent values are corrected and reported on stderr.
 inline StereoOptions readStereoOptions(const StereoArguments& arguments, const char* tool) {
   StereoOptions options;
   if (!arguments.preset.empty()) {

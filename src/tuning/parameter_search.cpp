@@ -15,7 +15,7 @@ namespace cbmv {
 namespace {
 
 constexpr double kClosestPoints = 1e-3;  // on every axis
-constexpr int kCallsPerEvaluation = 50;  // a search that finds nothing new ends
+constexpr int kCallsPerEvaluation = 50;  // ends a search that finds nothing new
 
 class Search {
  public:
@@ -30,7 +30,8 @@ class Search {
 
   const SearchPoint& best() const { return best_; }
 
-  /// Goes on from the best point until there are that many evaluations, or nothing more is found.
+  /// Continues from the best point until `evaluations` is reached or there is no further
+  /// improvement.
   void minimize(nlopt::algorithm algorithm, int evaluations) {
     limit_ = evaluations;
     nlopt::opt optimizer(algorithm, static_cast<unsigned>(space_.dimensions()));
@@ -48,8 +49,8 @@ class Search {
     double score = 0;
     try {
       optimizer.optimize(point, score);
-    } catch (const nlopt::forced_stop&) {       // by scoreAt
-    } catch (const nlopt::roundoff_limited&) {  // as near as it gets
+    } catch (const nlopt::forced_stop&) {       // thrown by scoreAt
+    } catch (const nlopt::roundoff_limited&) {  // converged to machine precision
     }
     if (failure_ != nullptr) {
       std::rethrow_exception(failure_);
@@ -57,7 +58,7 @@ class Search {
   }
 
  private:
-  /// Ends the search by forced_stop, the one exception that NLopt hands through.
+  /// Ends the search by forced_stop, the only exception that NLopt passes on.
   double scoreAt(const std::vector<double>& point) {
     const StereoOptions options = space_.optionsAt(point, best_.options);
     const auto known = scores_.find(describeOptions(options));
@@ -89,7 +90,7 @@ class Search {
   const Objective& objective_;
   const SearchProgress& progress_;
   SearchPoint best_;
-  std::map<std::string, double> scores_;  ///< by the options as text
+  std::map<std::string, double> scores_;  ///< keyed by the options as text
   int evaluations_ = 0;
   int limit_ = 1;
   std::exception_ptr failure_;

@@ -10,9 +10,9 @@
 namespace cbmv {
 
 struct SearchSettings {
-  int evaluations = 200;       ///< of the objective, that of the start included; at least 1
-  int global_evaluations = 0;  ///< so many of them look all over the space first
-  std::uint64_t seed = 1;      ///< of the global part
+  int evaluations = 200;       ///< evaluations of the objective, including the start; at least 1
+  int global_evaluations = 0;  ///< number of evaluations spent on the global search
+  std::uint64_t seed = 1;      ///< of the global search
 };
 
 struct SearchPoint {
@@ -22,16 +22,16 @@ struct SearchPoint {
 
 using Objective = std::function<double(const StereoOptions&)>;
 
-/// Called after each evaluation: which one (from 1 on), where, and the best so far, this one
-/// included.
+/// Called after each evaluation with its number (from 1), its point, and the best point found until
+/// then, including this one.
 using SearchProgress =
     std::function<void(int evaluation, const SearchPoint& here, const SearchPoint& best)>;
 
-/// Looks for the lowest objective without derivatives, by NLopt: DIRECT-L (Gablonsky & Kelley 2001)
-/// over the whole space, if asked for, then Subplex (Rowan 1990) from the best point so far. The
-/// first evaluation is of `start` as it is, so the result is never worse. Options that were
-/// evaluated already are not evaluated again. Deterministic. Passes on what `objective` and
-/// `progress` throw; throws Error when the settings are out of range.
+/// Minimizes the objective without derivatives, by NLopt: DIRECT-L (Gablonsky & Kelley 2001) over
+/// the whole space if global_evaluations is above 0, then Subplex (Rowan 1990) from the best point.
+/// The first evaluation uses `start` unchanged, so the result is never worse than the start. No
+/// options are evaluated twice. Deterministic. Exceptions of `objective` and `progress` are passed
+/// on. Throws Error when the settings are out of range.
 SearchPoint searchParameters(const ParameterSpace& space, const StereoOptions& start,
                              const Objective& objective, const SearchSettings& settings,
                              const SearchProgress& progress);

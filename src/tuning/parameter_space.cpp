@@ -11,7 +11,7 @@
 namespace cbmv {
 namespace {
 
-constexpr double kFirstStep = 0.1;  // of the way from bound to bound
+constexpr double kFirstStep = 0.1;  // fraction of the distance between the bounds
 constexpr double kWholeStep = 1.01;
 
 struct Bounds {
@@ -58,7 +58,7 @@ std::vector<Parameter> presetParameters() {
   const auto first = std::find_if(parameters.begin(), parameters.end(), [](const Parameter& each) {
     return each.name == "cbca_arm_length";
   });
-  parameters.erase(parameters.begin(), first);  // the table has the order of the data flow
+  parameters.erase(parameters.begin(), first);  // the table is in data flow order
   return parameters;
 }
 

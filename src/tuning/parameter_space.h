@@ -9,32 +9,33 @@
 
 namespace cbmv {
 
-/// The parameters that a preset holds: those of optimization and refinement. The others describe
-/// the camera, or change the matching volume.
+/// The parameters in a preset: optimization and refinement. The others describe the camera or
+/// change the matching cost volume.
 std::vector<Parameter> presetParameters();
 
-/// What is searched when nothing else is asked for.
+/// Parameters that are searched by default.
 std::vector<std::string> defaultSearchParameters();
 
-/// The parameters that are searched, as a cube of coordinates in [0, 1]: linear or logarithmic
-/// between the bounds of the search, which lie inside of those of the parameter.
+/// The searched parameters as a unit cube with coordinates in [0, 1]. Each axis is linear or
+/// logarithmic between search bounds that lie inside the bounds of the parameter.
 class ParameterSpace {
  public:
-  /// Throws Error that names a parameter that cannot be searched, or is given twice, or says that
-  /// there is none.
+  /// Throws Error if the list is empty, or with the parameter that cannot be searched or is given
+  /// twice.
   explicit ParameterSpace(const std::vector<std::string>& parameters);
 
   std::size_t dimensions() const { return axes_.size(); }
 
-  /// Values outside of the bounds become the nearest bound.
+  /// Values outside the bounds are clamped.
   std::vector<double> coordinates(const StereoOptions& options) const;
 
-  /// `others` with the parameters at these coordinates: whole numbers rounded, median windows to
-  /// odd ones, real numbers to three digits; made consistent by correctOptions.
+  /// `others` with the searched parameters set from `coordinates`: integers are rounded, median
+  /// windows are rounded to odd numbers, real numbers to three digits. correctOptions makes the
+  /// result consistent.
   StereoOptions optionsAt(const std::vector<double>& coordinates,
                           const StereoOptions& others) const;
 
-  /// Steps to begin a local search with: no whole number is too far away for one.
+  /// Initial steps of a local search: large enough to reach the next integer.
   std::vector<double> firstSteps() const;
 
  private:

@@ -18,7 +18,7 @@
 namespace cbmv {
 namespace {
 
-constexpr double kLeastError = 1e-6;  // of the start, which others are divided by
+constexpr double kLeastError = 1e-6;  // lower limit of the start's error, which is a divisor
 
 using Indices = std::vector<std::size_t>;
 
@@ -33,7 +33,7 @@ std::vector<std::string> dataSetsOf(const std::vector<SceneReference>& scenes) {
   return names;
 }
 
-/// For each data set.
+/// One per data set.
 std::vector<ErrorSum> parseObjectives(const std::vector<std::string>& names,
                                       std::size_t data_sets) {
   if (names.size() != 1 && names.size() != data_sets) {
@@ -64,7 +64,7 @@ void requireFolds(const std::vector<SceneReference>& scenes) {
   }
 }
 
-/// What a search has found so far; means of the scenes of each data set, NaN where it has none.
+/// Result of a search; means over the scenes of each data set, NaN where it has none.
 struct Finding {
   StereoOptions options;
   std::vector<double> before;
@@ -228,7 +228,7 @@ class Tuner {
   ParameterSpace space_;
   TuningReport report_;
   std::vector<TuningScene> scenes_;
-  double held_mb_ = 0;  ///< memory of the scenes
+  double held_mb_ = 0;  ///< memory of the prepared scenes
   TuningScorer scorer_;
 };
 

@@ -17,31 +17,33 @@ namespace cbmv {
 struct TuningRequest {
   std::vector<SceneReference> scenes;
   std::vector<std::shared_ptr<const Forest>> forests;  ///< see forestForScene
-  /// See parseErrorSum; one for all data sets, or one for each in their order.
+  /// See parseErrorSum. One for all data sets, or one per data set in their order.
   std::vector<std::string> objectives;
   std::vector<std::string> parameters = defaultSearchParameters();
-  StereoOptions start;  ///< its range is not used; threads are
+  StereoOptions start;  ///< range is ignored; threads is used
   std::string start_name = "the defaults";
   SearchSettings search;
-  /// Of each scene, from its middle; 0: all. A strip favours other parameters than the whole image.
+  /// Number of rows used per scene, from the middle; 0: all. A strip favors other parameters than
+  /// the whole image.
   int rows = 0;
-  bool cross_validate = false;  ///< three more searches; of Middlebury v3 only
+  bool cross_validate = false;  ///< three more searches; Middlebury v3 only
 };
 
-/// What a tuning tells while it runs; both must be set.
+/// Callbacks of tune; both must be set.
 struct TuningEvents {
-  std::function<void(const std::string&)> progress;   ///< a line for people
-  std::function<void(const TuningReport&)> improved;  ///< the best so far, the start at first
+  std::function<void(const std::string&)> progress;  ///< a progress message
+  std::function<void(const TuningReport&)>
+      improved;  ///< best report found until then, first the start
 };
 
-/// Searches the parameters that follow the matching volume for the lowest error over the
-/// non-occluded pixels: the mean over the scenes of a data set, relative to that of the start; of
-/// several data sets, the mean of these.
+/// Searches the parameters after the matching cost volume for the lowest error over the
+/// non-occluded pixels. The objective of one data set is the mean error over its scenes divided by
+/// that of the start; for several data sets, the mean of these.
 ///
-/// Cross-validation searches anew without each of middleburyFolds and scores its scenes with what
-/// was found: what the search is worth on scenes that it has not seen.
+/// Cross-validation repeats the search without each fold of middleburyFolds and scores that fold
+/// with the parameters found. It shows how well the parameters generalize to unseen scenes.
 ///
-/// Throws Error that names what is wrong with the request, a scene or a file.
+/// Throws Error with the invalid part of the request, the scene or the file.
 TuningReport tune(const TuningRequest& request, const TuningEvents& events);
 
 }  // namespace cbmv

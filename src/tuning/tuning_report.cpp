@@ -13,7 +13,7 @@
 namespace cbmv {
 namespace {
 
-constexpr std::size_t kColumns = 98;  // "# " goes before
+constexpr std::size_t kColumns = 98;  // without the leading "# "
 
 std::string join(const std::vector<std::string>& texts) {
   std::string joined;

@@ -99,7 +99,7 @@ double TuningScene::heldMb() const {
 double TuningScorer::error(const TuningScene& scene, const StereoOptions& options) {
   StereoOptions own = options;
   own.range = {0, scene.scene.calibration.disparities};
-  own.rectification.enabled = false;  // done by prepareScene
+  own.rectification.enabled = false;  // already done by prepareScene
   std::unique_ptr<StereoMatcher>& matcher = matchers_[scene.forest];
   if (matcher == nullptr) {
     matcher = std::make_unique<StereoMatcher>(scene.forest, own);
@@ -108,7 +108,7 @@ double TuningScorer::error(const TuningScene& scene, const StereoOptions& option
   }
   const StereoResult result = matcher->match(scene.scene.left, scene.scene.right);
   SceneMaps maps = toSceneMaps(result);
-  maps.confidence.release();  // its score takes time and does not count
+  maps.confidence.release();  // scoring it takes time and is not needed
   try {
     return scene.errors.of(scoreScene(scene.scene, maps).noc);
   } catch (const Error& error) {

@@ -51,7 +51,7 @@ TEST(FrameWorker, EndsAfterTheFrameInWork) {
     started.get_future().wait();
     worker.submit(2);
   }
-  EXPECT_EQ(worked_on, 1);  // the one that waited was dropped
+  EXPECT_EQ(worked_on, 1);  // the waiting one was dropped
 }
 
 TEST(FrameWorker, EndsWithoutAFrame) {

@@ -32,7 +32,7 @@ TEST(SearchSpace, NumbersTheEntriesRowByRow) {
 }
 
 TEST(SearchSpace, ExhaustiveOnesHaveTheWholeRange) {
-  SearchSpace space = test::makeSearchSpace(5, 33, {0, 20}, 1);  // memory of another one
+  SearchSpace space = test::makeSearchSpace(5, 33, {0, 20}, 1);  // reused for another space
   space.buildExhaustive(4, 50, {-2, 7});
   EXPECT_EQ(space.entries(), 4U * 4 * 7);
   for (int y = 0; y < 4; ++y) {

@@ -1,4 +1,4 @@
-// Which instruction sets the vector code is compiled for and chooses.
+// Instruction sets that are compiled in and selected at run time.
 
 #include <cstdio>
 #include <string>
@@ -21,7 +21,7 @@ std::vector<std::string> targetNames() {
   return names;
 }
 
-/// What every processor of the kind has that is in use, and emulated vectors.
+/// Instruction sets of every processor in use, and emulated vectors.
 TEST(SimdTargets, HoldTheLeastOfTheProcessor) {
   for (const std::string& name : targetNames()) {
     std::printf("[  TARGET  ] %s\n", name.c_str());
@@ -34,7 +34,7 @@ TEST(SimdTargets, HoldTheLeastOfTheProcessor) {
   EXPECT_THAT(targetNames(), testing::Contains("EMU128"));
 }
 
-/// Tests that name no target run on real vectors.
+/// Tests that do not select an instruction set run on real vectors.
 TEST(SimdTargets, TheBestIsNotTheEmulatedOne) {
   EXPECT_NE(hwy::SupportedAndGeneratedTargets().front(), HWY_EMU128);
 }

@@ -25,7 +25,7 @@ void fillRandomly(int places, double lowest, double highest, CostRow<Cost>& cost
   }
 }
 
-/// Costs as the matchers could give them.
+/// Random costs in the range of the matchers.
 MatcherCosts randomCosts(int places) {
   MatcherCosts costs;
   fillRandomly(places, 0, 121, costs.census);
@@ -35,7 +35,7 @@ MatcherCosts randomCosts(int places) {
   return costs;
 }
 
-/// A hypothesis with its match inside; number h of the row, place by place.
+/// A hypothesis whose match is inside; number h of the row, place by place.
 struct Hypothesis {
   int x, x_right, h;
 };
@@ -51,7 +51,7 @@ std::vector<Hypothesis> hypothesesOf(const RowEntries& entries) {
   return hypotheses;
 }
 
-/// In the unit of the matcher's constants.
+/// Cost in the unit of the matcher's constants.
 double costAt(const MatcherCosts& costs, int matcher, int h) {
   return std::visit(
       [&](const auto* row) {
@@ -65,7 +65,8 @@ struct Confidences {
   double log_likelihood;
 };
 
-/// Straight from the formulas, over the competitors at constant x_L (left) or x_R (right).
+/// Direct implementation of the formulas, over the competitors at constant x_L (left) or x_R
+/// (right).
 Confidences naiveConfidences(const MatcherCosts& costs, int matcher,
                              const std::vector<Hypothesis>& hypotheses,
                              const Hypothesis& hypothesis, View view) {
@@ -96,7 +97,7 @@ struct Row {
   MatcherCosts costs;
 };
 
-/// With the whole range in all tiles, or with windows.
+/// A row with the whole range in all tiles, or with windows.
 Row makeRow(const Shape& shape, bool windows) {
   SearchSpace space;
   if (windows) {
@@ -119,7 +120,7 @@ RowTerms computeTerms(const Row& row, int matcher) {
 
 using Lines = std::array<std::vector<float>, kFeaturesPerMatcher>;
 
-/// Feature values [feature][hypothesis]; 0 where the match lies outside.
+/// Feature values [feature][hypothesis]; 0 if the match is outside.
 Lines computeAllFeatures(const Row& row, int matcher) {
   const RowTerms terms = computeTerms(row, matcher);
   const int count = row.entries.count();
@@ -159,7 +160,7 @@ TEST_P(FeaturesTest, EqualDefinitions) {
     const Confidences right =
         naiveConfidences(row.costs, matcher(), hypotheses, hypothesis, View::kRight);
     const auto expect = [&](Feature feature, double expected) {
-      // Single precision; the logarithms are of values up to 2¹⁶.
+      // The tolerance is for single precision; the logarithms are of values up to 2¹⁶.
       EXPECT_NEAR(values[feature][hypothesis.h], expected, 2e-4 + 1e-6 * std::abs(expected))
           << feature;
     };

@@ -15,10 +15,11 @@ int main(int /*argc*/, char** argv) try {
 
   cbmv::StereoOptions options;
   options.range.count = 64;
-  cbmv::StereoMatcher matcher(cbmv::loadForest(argv[3]), options);  // keep it: it holds the buffers
+  cbmv::StereoMatcher matcher(cbmv::loadForest(argv[3]),
+                              options);  // keep it, because it holds the buffers
   const cbmv::StereoResult result = matcher.match(pair.left, pair.right);
 
-  cbmv::StereoGeometry camera;  // of a calibration: checkCalibration
+  cbmv::StereoGeometry camera;  // from a calibration: checkCalibration
   camera.focal_length_px = camera.left_fx_px = camera.left_fy_px = 500;
   camera.left_cx_px = 0.5 * left.cols;
   camera.left_cy_px = 0.5 * left.rows;

@@ -31,10 +31,10 @@ bool isUnknown(float value) { return std::isnan(value); }
 
 double difference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
-/// Writes data sets of pairs of kWidth x kHeight pixels.
+/// Writes data sets with pairs of kWidth x kHeight pixels.
 class DataSetTest : public testing::Test {
  protected:
-  /// Path of a file in the temporary folder, whose folders are made.
+  /// Path of a file in the temporary folder; creates its folders.
   std::string place(const std::string& name) const {
     fs::create_directories(fs::path(folder_.file(name)).parent_path());
     return folder_.file(name);
@@ -69,7 +69,7 @@ class DataSetTest : public testing::Test {
     return DataSet::open(kind + ":" + folder_.file(folder), truth);
   }
 
-  /// The sentence with which reading `scene` fails; it must name `file`.
+  /// The error message for reading `scene`; must contain `file`.
   std::string readError(const DataSet& data_set, const std::string& scene,
                         const std::string& file) const {
     std::string text = errorText([&] { data_set.read(scene); });
@@ -78,8 +78,8 @@ class DataSetTest : public testing::Test {
   }
 
   const TemporaryFolder folder_;
-  // Middlebury 2005, thirds of a pixel. Row 0: unknown, leaves the image, confirmed exactly, within
-  // 1 px, more than 1 px off, not known on the right.
+  // Middlebury 2005, thirds of a pixel. Row 0: unknown, outside the image, confirmed exactly,
+  // within 1 px, more than 1 px off, unknown in the right image.
   const cv::Mat disp1_ =
       (cv::Mat_<std::uint8_t>(kHeight, kWidth) << 0, 6, 6, 6, 6, 6, 3, 3, 3, 3, 3, 3);
   const cv::Mat disp5_ =
@@ -137,7 +137,7 @@ TEST_F(DataSetTest, ReadsMiddlebury2005) {
   const cv::Mat visible =
       (cv::Mat_<uchar>(kHeight, kWidth) << 0, 0, 255, 255, 0, 0, 0, 255, 255, 255, 255, 255);
   EXPECT_EQ(difference(scene.visible, visible), 0.0) << scene.visible;
-  EXPECT_EQ(scene.calibration.disparities, kWidth);  // 85 cut to the width
+  EXPECT_EQ(scene.calibration.disparities, kWidth);  // 85, limited to the width
   EXPECT_EQ(scene.calibration.width, kWidth);
   EXPECT_EQ(scene.calibration.height, kHeight);
 }
@@ -165,7 +165,7 @@ TEST_F(DataSetTest, RefusesImagesOf2005ThatAreTooWideForTheirSize) {
   }
 }
 
-/// A part of a larger image is not too wide, but with a wrong divisor the images do not fit.
+/// A crop of a larger image is not too wide, but with the wrong divisor the images do not match.
 TEST_F(DataSetTest, FindsThatTheTruthOf2005IsOfAnotherSize) {
   cv::Mat image(20, 200, CV_8UC1);
   cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 256);
@@ -208,7 +208,7 @@ TEST_F(DataSetTest, ReadsKitti) {
     EXPECT_EQ(scene.truth.at<float>(0, 5), 1.0F / 256.0F);
     EXPECT_EQ(difference(scene.visible, visible), 0.0);
     EXPECT_EQ(difference((scene.truth == scene.truth), visible), 0.0);
-    EXPECT_EQ(scene.calibration.disparities, kWidth);  // 228 cut to the width
+    EXPECT_EQ(scene.calibration.disparities, kWidth);  // 228, limited to the width
   }
 }
 
@@ -216,7 +216,7 @@ TEST_F(DataSetTest, TakesTheTruthOfOccludedPixelsOfKitti) {
   writeKittiScene("000001_10", "2015/", "image_2", "image_3", "disp_noc_0");
   cv::Mat occ = noc_.clone();
   occ.at<std::uint16_t>(0, 0) = 1024;
-  occ.at<std::uint16_t>(0, 2) = 9999;  // where both know it, disp_noc counts
+  occ.at<std::uint16_t>(0, 2) = 9999;  // disp_noc is used where both are known
   writeImage(place("2015/disp_occ_0/000001_10.png"), occ);
   const StereoScene scene = open("kitti2015", "2015").read("000001_10");
   EXPECT_EQ(scene.truth.at<float>(0, 0), 4.0F);
@@ -245,7 +245,7 @@ TEST_F(DataSetTest, Eth3dMayLackTheNumberOfDisparities) {
   const std::string matrix = "=[500 0 2; 0 500 1; 0 0 1]\n";
   folder_.write("eth/room/calib.txt",
                 "cam0" + matrix + "cam1" + matrix + "baseline=60\nwidth=6\nheight=2\n");
-  EXPECT_EQ(data_set.read("room").calibration.disparities, kWidth);  // 64 cut to the width
+  EXPECT_EQ(data_set.read("room").calibration.disparities, kWidth);  // 64, limited to the width
   EXPECT_TRUE(mentions(readError(open("middlebury_v3", "eth"), "room", "eth/room/calib.txt"),
                        {"ndisp is missing"}));
 }
@@ -402,7 +402,7 @@ TEST_F(DataSetTest, ChoosesScenes) {
   EXPECT_TRUE(mentions(errorText([&] { names({{"A"}, {"A"}}); }), {"no scene is left"}));
 }
 
-/// CBMV_DATA names the folder of the data sets; how many scenes of each are there may vary.
+/// CBMV_DATA is the folder of the data sets. The number of scenes may vary.
 TEST(DataSets, OfResearchersCanBeRead) {
   const char* const data = std::getenv("CBMV_DATA");
   if (data == nullptr) {

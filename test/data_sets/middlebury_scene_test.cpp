@@ -21,7 +21,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A scene of 4x2 pixels, the mask 255 everywhere but at (0, 1): 128.
+/// A scene of 4x2 pixels. The mask is 128 at (0, 1) and 255 elsewhere.
 class MiddleburyScene : public testing::Test {
  protected:
   MiddleburyScene() {
@@ -46,7 +46,7 @@ TEST_F(MiddleburyScene, ReadsNamesInCapitalLetters) {
   EXPECT_EQ(readMiddleburyScene(scene_, 0, true).truth.at<float>(1, 1), 1.0F);
 }
 
-/// im0.png, im1.png, disp0.pfm and calib.txt, which has more keys.
+/// im0.png, im1.png, disp0.pfm and calib.txt with additional keys.
 TEST_F(MiddleburyScene, ReadsTheDataSetsOf2014AsTheyAreDownloaded) {
   namespace fs = std::filesystem;
   fs::rename(scene_ + "/disp0GT.pfm", scene_ + "/disp0.pfm");

@@ -19,10 +19,10 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 struct Pixel {
   double confidence;
   double error;   ///< infinite: no disparity
-  double weight;  ///< of all pixels of its scene: 1
+  double weight;  ///< sum over all pixels of its scene: 1
 };
 
-/// Maps of one scene. Confidences are whole percents, so that no bin is split by a threshold.
+/// Maps of one scene. Confidences are whole percents, so that no threshold splits a bin.
 struct Scene {
   cv::Mat disparity, confidence, truth, mask;
 
@@ -75,7 +75,7 @@ double sumOf(const std::vector<Pixel>& pixels) {
   return sum;
 }
 
-/// Of the confidence: the float of a whole percent may be below it.
+/// Rounds, because the float of a whole percent may be below it.
 int percentOf(const Pixel& pixel) { return static_cast<int>(std::lround(100 * pixel.confidence)); }
 
 double naiveCalibrationError(const std::vector<Pixel>& pixels, double correct_px) {
@@ -122,7 +122,8 @@ OperatingPoint naivePoint(const std::vector<Pixel>& pixels, int percent) {
           100.0 * bad_3 / kept};
 }
 
-/// Share of pixels above 1 px among the most confident; equals are shared, no disparity comes last.
+/// Fraction of pixels above 1 px among the most confident. Equal confidences share it; pixels
+/// without disparity come last.
 double naiveBadAtDensity(const std::vector<Pixel>& pixels, double percent) {
   const double kept = percent / 100.0 * sumOf(pixels);
   const auto rank = [](const Pixel& pixel) {
@@ -173,7 +174,7 @@ TEST(ConfidenceProfile, AgreesWithTheDefinitions) {
   }
 }
 
-/// Of different sizes, the larger with the smaller weight.
+/// Two scenes of different sizes; the larger one has the smaller weight.
 TEST(ConfidenceProfile, ScenesAreAddedByTheirWeights) {
   const Scene small(70, 1);
   const Scene large(700, 2);
@@ -188,8 +189,8 @@ TEST(ConfidenceProfile, ScenesAreAddedByTheirWeights) {
 }
 
 TEST(ConfidenceProfile, ReliabilityMatchesAHandComputedCase) {
-  // 0.35 and 0.3 share a bin, one of the two is correct; 1 lies in the last bin; one has no
-  // disparity.
+  // 0.35 and 0.3 are in the same bin and one of them is correct; 1 is in the last bin; one pixel
+  // has no disparity.
   const cv::Mat truth = cv::Mat::zeros(1, 4, CV_32FC1);
   const cv::Mat disparity = (cv::Mat_<float>(1, 4) << 0.5F, 2, 1, kInvalid);
   const cv::Mat confidence = (cv::Mat_<float>(1, 4) << 0.35F, 0.3F, 1, 0.9F);
@@ -208,7 +209,8 @@ TEST(ConfidenceProfile, ReliabilityMatchesAHandComputedCase) {
   EXPECT_NEAR(operatingPoint(profile, 0.0).density, 75.0, 1e-12);
 }
 
-/// Floats of thresholds that are below the decimal number are kept, as a node compares floats.
+/// Confidences whose float is below the decimal threshold are kept, as in the node, which compares
+/// floats.
 TEST(ConfidenceProfile, KeepsWhatEqualsTheThreshold) {
   const cv::Mat zeros = cv::Mat::zeros(1, 1, CV_32FC1);
   const cv::Mat mask(1, 1, CV_8UC1, cv::Scalar(255));
@@ -232,7 +234,7 @@ TEST(ConfidenceProfile, IsNotKnownOfWhatIsNoProbability) {
     EXPECT_TRUE(std::isnan(calibrationError(profile)) && std::isnan(brierScore(profile)));
     EXPECT_TRUE(std::isnan(operatingPoint(profile, 0.3).bad_1));
     EXPECT_TRUE(std::isnan(atDensity(profile, 50.0).bad_3));
-    for (const bool first : {false, true}) {  // no sum with it is known
+    for (const bool first : {false, true}) {  // a sum with it is unknown
       const ConfidenceProfile other = profileConfidence(zeros, zeros, zeros, mask, kInvalid, 1.0F);
       ConfidenceProfile sum;
       addProfile(first ? profile : other, 1.0, sum);

@@ -7,7 +7,7 @@
 namespace cbmv {
 namespace {
 
-/// A scene whose pixels are all of one confidence; bad: parts of them above 1 and 3 px.
+/// A scene whose pixels all have the same confidence; `bad_…`: fractions above 1 and 3 px.
 SceneScore makeScene(double pixels, std::size_t bin, double bad_1, double bad_3, double weight) {
   SceneScore score;
   score.weight = weight;
@@ -19,7 +19,7 @@ SceneScore makeScene(double pixels, std::size_t bin, double bad_1, double bad_3,
   return score;
 }
 
-/// One sure scene (0.8) and a larger one that is not (0.4).
+/// A scene with confidence 0.8, and a larger one with 0.4.
 std::vector<SceneScore> twoScenes() {
   return {makeScene(10.0, 160, 0.1, 0.0, 1.0), makeScene(1000.0, 80, 0.5, 0.2, 0.5)};
 }
@@ -41,7 +41,7 @@ TEST(ConfidenceSummary, PointsAreOfThePixelsOfAllScenes) {
 TEST(ConfidenceSummary, ADensityHasOneThresholdOrOnePerScene) {
   const auto summary = summarizeConfidence(twoScenes(), &SceneScore::all_sums, false, 50.0);
   ASSERT_TRUE(summary && summary->at_density && summary->at_density_each_scene);
-  EXPECT_NEAR(summary->at_density->bad_1, 10.0, 1e-9);  // the sure scene alone
+  EXPECT_NEAR(summary->at_density->bad_1, 10.0, 1e-9);  // only the scene with confidence 0.8
   EXPECT_NEAR(summary->at_density->min_confidence, 0.8, 1e-9);
   EXPECT_NEAR(summary->at_density_each_scene->bad_1, 30.0, 1e-9);  // half of each
   EXPECT_NEAR(summary->at_density_each_scene->bad_3, 10.0, 1e-9);

@@ -15,7 +15,7 @@ namespace {
 constexpr float kInvalid = -1.0F;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// The smallest error that is not exceeded at `percent` of the pixels, counted for each.
+/// The smallest error that is not exceeded by `percent` of the pixels, found by counting.
 double naiveQuantile(const std::vector<double>& errors, int percent) {
   double best = std::numeric_limits<double>::infinity();
   for (const double candidate : errors) {
@@ -28,7 +28,7 @@ double naiveQuantile(const std::vector<double>& errors, int percent) {
   return best;
 }
 
-/// Straight from the definitions, in double precision.
+/// Direct implementation of the definitions, in double precision.
 DisparityError reference(const cv::Mat& disparity, const cv::Mat& truth, const cv::Mat& mask) {
   DisparityError e;
   std::vector<double> errors;
@@ -87,7 +87,7 @@ void expectEqual(const DisparityError& a, const DisparityError& b) {
   for (std::size_t k = 0; k <= kErrorBins; ++k) {
     EXPECT_NEAR(a.histogram[k], b.histogram[k], 1e-9) << k;
   }
-  EXPECT_NEAR(a.average_px, b.average_px, 1e-5);  // differences are taken in single precision
+  EXPECT_NEAR(a.average_px, b.average_px, 1e-5);  // differences are computed in single precision
   EXPECT_NEAR(a.rms_px, b.rms_px, 1e-5);
   EXPECT_NEAR(a.a50_px, b.a50_px, 1e-5);
   EXPECT_NEAR(a.a90_px, b.a90_px, 1e-5);

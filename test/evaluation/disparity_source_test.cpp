@@ -43,7 +43,7 @@ TEST(MatchingSource, MatchesOverTheRangeOfTheScene) {
   }
 }
 
-/// Scene after scene, each its own.
+/// Each scene gets its own range.
 TEST(MatchingSource, FindsARangeThatIsAutomatic) {
   StereoOptions options;
   options.range.count = 0;
@@ -58,7 +58,7 @@ TEST(MatchingSource, FindsARangeThatIsAutomatic) {
   }
 }
 
-/// The images are looked at by their size only: they have no pixels.
+/// Only the size of the images is used, so they have no pixels.
 TEST(MatchingSource, TellsNeedAndPresenceOfMemory) {
   const DisparitySource source =
       matchingSource(std::make_shared<Forest>(test::makeForest(1, 1, 1)), {});

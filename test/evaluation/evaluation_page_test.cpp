@@ -12,14 +12,14 @@
 namespace cbmv {
 namespace {
 
-/// A program of the shell, in a folder whose name a shell would take apart.
+/// A shell script in a folder whose name a shell would split.
 class EvaluationPage : public testing::Test {
  protected:
   EvaluationPage() { std::filesystem::create_directory(folder_.file("a; b 'c")); }
 
   std::string path(const std::string& name) const { return folder_.file("a; b 'c/" + name); }
 
-  /// What it throws when it is run for "r.json", "maps" and "page.html".
+  /// The error when the script is run for "r.json", "maps" and "page.html".
   std::string error(const std::string& program) const {
     std::filesystem::permissions(folder_.write("a; b 'c/program", program),
                                  std::filesystem::perms::owner_all);

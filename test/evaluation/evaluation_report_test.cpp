@@ -73,7 +73,7 @@ TEST(EvaluationReport, TablesHaveARowForEachSceneAndMean) {
                        {"Teddy", "Vintage", "weighted mean", "1.00", "2.429", "all pixels"}));
 }
 
-/// Of each scene, half of the pixels has a confidence of 0.45 and is off by 2 px.
+/// In each scene, half of the pixels have confidence 0.45 and an error of 2 px.
 TEST(EvaluationReport, HasTheOperatingPointsWhereTheConfidenceIsKnown) {
   const TemporaryFolder folder;
   EvaluationReport report = makeReport();

@@ -16,7 +16,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Three scenes of 8x4 pixels with true disparity 1, and what an evaluation of them tells.
+/// Three scenes of 8x4 pixels with true disparity 1, and the events of their evaluation.
 class Evaluation : public testing::Test {
  protected:
   Evaluation() {

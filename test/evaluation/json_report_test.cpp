@@ -71,7 +71,7 @@ TEST(JsonReport, JsonHasTheAgreedEntries) {
     return object + "}";
   };
   const std::string pixels = "\"noc\":" + metrics("0.5") + ",\"all\":" + metrics("1.5");
-  const std::string mean =  // no sums, so nothing that is pooled
+  const std::string mean =  // without sums, so without pooled metrics
       "{" +
       std::regex_replace(pixels, std::regex("\"(ece|sigma_[a-z0-9]+)\":[0-9.]+"), "\"$1\":null") +
       "}";
@@ -120,7 +120,7 @@ TEST(JsonReport, IsWrittenThroughLinksAndIntoPipes) {
 
   const std::string pipe = folder.file("pipe");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  const int reader = open(pipe.c_str(), O_RDWR);  // so that writing does not wait for one
+  const int reader = open(pipe.c_str(), O_RDWR);  // so that writing does not block
   writeJsonReport({}, pipe);
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
   close(reader);

@@ -11,7 +11,7 @@
 namespace cbmv {
 namespace {
 
-/// What OpenCV finds itself, negative where it finds nothing.
+/// Disparities of OpenCV; negative where it finds none.
 cv::Mat found(const StereoScene& scene) {
   cv::Mat sixteenths;
   cv::StereoSGBM::create(0, 32, 5, 200, 800, 1, 63, 10, 100, 2)
@@ -21,7 +21,7 @@ cv::Mat found(const StereoScene& scene) {
   return disparity;
 }
 
-/// The nearest known disparity from x on in steps of `step`; infinity without one.
+/// The nearest known disparity from x in steps of `step`; infinity if there is none.
 float nearest(const float* row, int width, int x, int step) {
   for (; x >= 0 && x < width; x += step) {
     if (row[x] >= 0) {
@@ -55,7 +55,7 @@ TEST(MakeStereoSgbm, HasTheSettingsOfTheHeader) {
 }
 
 TEST(StereoSgbmSource, FillsWhatOpenCvLeavesOpen) {
-  // 30 is no multiple of 16.
+  // 30 is not a multiple of 16.
   const StereoScene scene = makeScene(3, {160, 96}, 30);
   const cv::Mat raw = found(scene);
   const SceneMaps maps = stereoSgbmSource()(scene);

@@ -16,7 +16,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// One row: right, 2 px off, 4 px off, 9 px off, none, 2 px off but hidden, truth unknown.
+/// One row: correct, 2 px off, 4 px off, 9 px off, none, 2 px off but occluded, unknown truth.
 StereoScene makeScene() {
   StereoScene scene;
   scene.name = "Scene";

@@ -7,7 +7,7 @@
 namespace cbmv {
 namespace {
 
-/// Mean difference of the gray levels of a mask's pixels and their matches.
+/// Mean gray value difference between the pixels of a mask and their matches.
 double meanDifference(const RenderedPoles& poles, const cv::Mat& mask, int d) {
   double sum = 0;
   int count = 0;
@@ -35,7 +35,7 @@ TEST(RenderedPoles, MatchAtTheirDisparity) {
 TEST(RenderedPoles, TheBackgroundMatchesAtItsOwn) {
   const RenderedPoles poles = renderPoles(10, 20, 2);
   cv::Mat background = poles.pole_width == 0;
-  background.colRange(60, 600) = 0;  // poles hide some of the right image
+  background.colRange(60, 600) = 0;  // poles occlude a part of the right image
   EXPECT_LT(meanDifference(poles, background, 10), 4);
 }
 

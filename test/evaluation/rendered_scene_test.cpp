@@ -18,8 +18,8 @@ RenderOptions withoutDisturbance() {
   return options;
 }
 
-/// Part of the visible pixels that look alike at (x, y) on the left and at their match on the
-/// right.
+/// Fraction of the visible pixels whose gray value at (x, y) is similar to that of their match in
+/// the right image.
 double partThatMatches(const RenderedScene& scene, double dy) {
   int alike = 0;
   int counted = 0;
@@ -39,8 +39,8 @@ double partThatMatches(const RenderedScene& scene, double dy) {
   return static_cast<double>(alike) / counted;
 }
 
-// Linear interpolation between columns misses waves of 4 px by up to a third of their height and
-// mixes two surfaces at borders: hence "alike" and 90 %.
+// Linear interpolation misses waves of 4 px by up to a third of their amplitude and mixes two
+// surfaces at depth edges. Hence the tolerance and 90 %.
 TEST(RenderedScene, TruthLeadsToTheSameTexture) {
   for (int seed = 0; seed < 4; ++seed) {
     const RenderedScene scene = renderScene(203, 151, seed, withoutDisturbance());
@@ -58,7 +58,7 @@ TEST(RenderedScene, AVerticalOffsetMovesTheRightImage) {
 TEST(RenderedScene, VisibilityFollowsFromTheTruth) {
   const RenderedScene scene = renderScene(203, 151, 1);
   const cv::Mat derived = visibleInBoth(scene.truth);
-  // The derived map is off by up to a column at borders of objects.
+  // The derived map differs by up to one column at object borders.
   EXPECT_LT(cv::countNonZero(derived != scene.visible), 0.02 * 203 * 151);
   EXPECT_LT(cv::countNonZero(scene.visible), 0.99 * 203 * 151);
 }

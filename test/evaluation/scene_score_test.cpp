@@ -90,7 +90,7 @@ TEST(SceneScore, HasTheMetricsOfConfidenceAndSigma) {
   EXPECT_EQ(metric(score.noc, "brier"), brierScore(profile));
   EXPECT_EQ(score.noc_sums.confidence.pixels, 7.0);
   EXPECT_EQ(score.all_sums.confidence.pixels, 9.0);
-  // Inliers: the second and third pixel, of errors 0 and 0.7 px, and of all pixels one more.
+  // Inliers: the second and third pixel, with errors 0 and 0.7 px; for all pixels one more.
   EXPECT_NEAR(metric(score.noc, "sigma_1"), 50.0, 1e-12);
   EXPECT_NEAR(metric(score.all, "sigma_1"), 200.0 / 3.0, 1e-12);
   EXPECT_NEAR(metric(score.all, "sigma_2"), 100.0, 1e-12);
@@ -110,8 +110,8 @@ TEST(SceneScore, CorrectIsWhatTheDataSetAllows) {
   EXPECT_EQ(metric(score.noc, "bad_1"), metric(scoreScene(scene, maps).noc, "bad_1"));
 }
 
-/// Errors are multiplied, so bad 2 is bad 1 of before; what the confidence and sigma say of the
-/// images' pixels is not changed by it.
+/// Errors are scaled, so bad 2 equals the earlier bad 1. Confidence and sigma metrics do not
+/// change.
 TEST(SceneScore, ScaleIsOfErrors) {
   const StereoScene scene = makeScene();
   const SceneMaps maps = makeMaps();
@@ -205,7 +205,8 @@ TEST(SceneScore, MeansAreOverScenesAndByWeight) {
   EXPECT_EQ(weighted.scene, "weighted mean");
 }
 
-/// Two scenes whose gaps cancel, of different sizes: calibrated together, though neither is.
+/// Two scenes of different sizes whose calibration errors cancel: together they are calibrated,
+/// although neither is.
 TEST(SceneScore, CalibrationAndSigmaAreOfThePixelsOfAllScenes) {
   SceneScore sure;
   sure.noc_sums.confidence.bins.resize(kConfidenceBins);

@@ -24,8 +24,8 @@ bool isBad(float disparity, float truth, float bad_px) {
   return hasNone(disparity) || std::abs(disparity - truth) > bad_px;
 }
 
-/// Bad pixels, in percent, among the best `kept` of the counted ones: each pixel is taken with the
-/// part of it that is left after all better pixels, shared with its equals.
+/// Percent of bad pixels among the best `kept` counted pixels. Each pixel counts with the fraction
+/// left after all better pixels, shared among pixels of equal confidence.
 double naiveBad(const cv::Mat& disparity, const cv::Mat& score, const cv::Mat& truth,
                 const cv::Mat& mask, double kept, float bad_px) {
   double bad = 0.0;
@@ -80,7 +80,8 @@ void expectNaive(const cv::Mat& disparity, const cv::Mat& confidence, const cv::
 TEST(Sparsification, AgreesWithTheDefinition) {
   cv::RNG rng(5);
   for (const int columns : {1, 7, 100, 231}) {
-    for (const int levels : {1, 3, 1000}) {  // of confidence: from all equal to hardly any
+    for (const int levels :
+         {1, 3, 1000}) {  // number of confidence levels: from all equal to hardly any equal
       cv::Mat disparity(1, columns, CV_32FC1);
       cv::Mat truth(1, columns, CV_32FC1);
       cv::Mat confidence(1, columns, CV_32FC1);
@@ -103,8 +104,8 @@ TEST(Sparsification, AgreesWithTheDefinition) {
 }
 
 TEST(Sparsification, MatchesAHandComputedCase) {
-  // Four pixels, the second best is bad. Among the best quarter no pixel is bad; then all of the
-  // bad pixel's parts come; at 50 % half, at 75 % a third, at 100 % a quarter of the pixels is bad.
+  // Four pixels; the second best is bad. No pixel is bad among the best quarter; then the bad pixel
+  // is added gradually: half of the pixels are bad at 50 %, a third at 75 %, a quarter at 100 %.
   const cv::Mat truth = cv::Mat::zeros(2, 2, CV_32FC1);
   const cv::Mat disparity = (cv::Mat_<float>(2, 2) << 0, 5, 1, 0.5F);
   const cv::Mat confidence = (cv::Mat_<float>(2, 2) << 0.9F, 0.8F, 0.7F, 0.6F);
@@ -114,7 +115,8 @@ TEST(Sparsification, MatchesAHandComputedCase) {
   EXPECT_NEAR(result.bad[49], 50.0, 1e-12);
   EXPECT_NEAR(result.bad[74], 100.0 / 3.0, 1e-12);
   EXPECT_NEAR(result.bad[99], 25.0, 1e-12);
-  // The optimum: a share of e = 1/4 bad pixels has area e + (1 − e) ln(1 − e), here in 100 steps.
+  // The optimum for a fraction e = 1/4 of bad pixels has the area e + (1 − e) ln(1 − e), here in
+  // 100 steps.
   EXPECT_NEAR(result.auc_optimal, 100.0 * (0.25 + 0.75 * std::log(0.75)), 0.2);
 }
 

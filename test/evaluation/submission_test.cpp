@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A folder with data sets of empty files, which a writer does not look into, and maps to write.
+/// A folder with data sets of empty files, which a writer does not read, and maps to write.
 class Submission : public testing::Test {
  protected:
   Submission() {

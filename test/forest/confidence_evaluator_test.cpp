@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kQueries = ConfidenceEvaluator::kQueries;
 
-/// A full block of random codes; those at the ends of the range are as likely as all others.
+/// A full block of random codes, with all values equally likely, including the limits.
 ConfidenceCodes randomCodes(const ConfidenceForest& forest) {
   std::mt19937 random(5);
   ConfidenceCodes codes(forest);
@@ -55,7 +55,7 @@ TEST(ConfidenceEvaluator, EqualsTreeWalk) {
   }
 }
 
-/// The sum of their leaves is the largest that 16 bits have to hold.
+/// The sum of the leaves is the largest that must fit into 16 bits.
 TEST(ConfidenceEvaluator, MostTreesWithTheLargestLeaves) {
   ConfidenceForest forest = makeConfidenceForest(4, ConfidenceForest::kMaxTrees, 2, 7);
   forest.leaf_unit = 1.0 / 16384;

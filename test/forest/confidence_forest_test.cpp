@@ -11,7 +11,7 @@
 namespace cbmv::test {
 namespace {
 
-/// What requireFeatures says of a forest with the features f0, f1 and f2.
+/// The error of requireFeatures for a forest with features f0, f1 and f2.
 std::string faultOf(const std::vector<std::string>& names) {
   return errorText([&] {
     requireFeatures(makeConfidenceForest(3, 1, 1, 1), "selection", names, "some.forest");

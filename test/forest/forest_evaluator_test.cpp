@@ -25,7 +25,7 @@ CodeColumns randomCodes(int count) {
   return columns;
 }
 
-/// Codes of `count` hypotheses from `first` on.
+/// Codes of `count` hypotheses, starting at `first`.
 CodeBlock makeBlock(const CodeColumns& columns, int first, int count) {
   CodeBlock block{};
   for (int f = 0; f < kFeatureCount; ++f) {
@@ -97,7 +97,7 @@ TEST(ForestEvaluator, ThresholdsAtTheEndsOfTheRange) {
   expectTreeWalk(forest, codes);
 }
 
-/// Its sum of leaves needs more than 16 bits.
+/// The sum of its leaves needs more than 16 bits.
 TEST(ForestEvaluator, LargestForest) {
   Forest forest = makeForest(Forest::kMaxTrees, 3, 17);
   forest.leaf_unit = 1.0 / 8192;

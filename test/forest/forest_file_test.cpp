@@ -28,7 +28,7 @@ void writeAll(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-/// The sentence that readForest refuses the file with; empty if it accepts it.
+/// The error message of readForest; empty if it accepts the file.
 std::string refusal(const std::string& path) {
   try {
     readForest(path);
@@ -61,7 +61,7 @@ TEST(ForestFile, KeepsTheMeasures) {
   EXPECT_EQ(read.feature_importance, forest.provenance.feature_importance);
 }
 
-/// As forests of version 1 were at first.
+/// Early forests of version 1 have no measures.
 TEST(ForestFile, MayHoldNoMeasures) {
   writeForest(makeForest(2, 3, 1), pathOf("unmeasured"));
   EXPECT_EQ(contentOf(pathOf("unmeasured")).find("reliability"), std::string::npos);
@@ -118,7 +118,7 @@ TEST(ForestFile, NamesDamage) {
   }
 }
 
-/// What would overflow the stack, take minutes, or be read as another number.
+/// Inputs that would overflow the stack, take minutes, or be read as another number.
 TEST(ForestFile, RefusesHostileJson) {
   const auto fault = [](const std::string& text) {
     return errorText([&] { parseForest(text, "hostile"); });
@@ -198,7 +198,7 @@ TEST(ForestFile, KeepsGeneralTrees) {
   }
 }
 
-/// The sentence that a forest is refused with before it is written.
+/// The error message when the forest is written.
 std::string refusalToWrite(const Forest& forest) {
   try {
     writeForest(forest, pathOf("refused"));
@@ -284,7 +284,7 @@ TEST(ForestFile, KeepsTheConfidenceForest) {
   EXPECT_EQ(read.confidence->record.reliability.at(0).samples, 12);
   EXPECT_EQ(read.confidence->record.calibration_error, 0.0375);
   EXPECT_EQ(read.confidence->record.feature_importance, confidence.record.feature_importance);
-  EXPECT_EQ(forestChecksum(read), forestChecksum(forest));  // trees, maps, scale
+  EXPECT_EQ(forestChecksum(read), forestChecksum(forest));  // trees, maps and scale are equal
 }
 
 TEST(ForestFile, KeepsTheSelectionForest) {
@@ -323,7 +323,7 @@ TEST(ForestFile, KeepsTheConfidenceForestOfGeneralTrees) {
   EXPECT_NE(readForest(pathOf("both")).confidence, nullptr);
 }
 
-/// Programs that know no other version read it.
+/// Programs that support only version 1 can read it.
 TEST(ForestFile, IsOfVersion1WithoutAConfidenceForest) {
   writeForest(makeForest(2, 3, 1), pathOf("one"));
   EXPECT_THAT(contentOf(pathOf("one")), HasSubstr("\"version\": 1"));
@@ -413,7 +413,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfTheStandardDeviation) {
   }
 }
 
-/// The sentence that a text is refused with; empty if it is a forest.
+/// The error message for a text; empty if it is a valid forest.
 std::string refusalOfText(const std::string& text) {
   try {
     parseForest(text, "folder/text");
@@ -423,7 +423,7 @@ std::string refusalOfText(const std::string& text) {
   }
 }
 
-/// The same of a model, with the checksum that it has, in a file of this version.
+/// The same for a model, with its checksum, in a file of this version.
 std::string refusalOfModel(const std::string& model, int version = 1) {
   const std::string text = R"({"format": "cbmv_stereo forest", "version": )" +
                            std::to_string(version) +
@@ -444,7 +444,7 @@ TEST(ForestFile, NamesUnknownKind) {
               HasSubstr("kind \"dense\""));
 }
 
-/// What would be written beside the forest, or be cut to other numbers.
+/// Values that would be written outside the forest or truncated to other numbers.
 TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
   const auto refusal_of = [](int code_maps, const std::string& level, const std::string& leaf) {
     std::string maps = "[1, 0]";
@@ -465,7 +465,7 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
   EXPECT_THAT(refusal_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
 }
 
-/// Of the further forests in a file, too; the message says of which.
+/// The same for the second forests in a file; the message names the forest.
 TEST(ForestFile, RefusesNumbersThatDoNotFitTheFurtherForests) {
   const auto further = [](const std::string& level, const std::string& sigma = "") {
     return R"({"features": ["a", "roughness_5"], "bias": 0, "leaf_unit": 1, "trees": [
@@ -512,7 +512,7 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
   EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": 7)"), HasSubstr("has 1 sigma_rough"));
 }
 
-/// As XGBoost writes it; the first tree asks whether feature 3 is below 1.5.
+/// As written by XGBoost; the first tree tests whether feature 3 is below 1.5.
 const std::string kXgboostModel = R"({"learner": {
   "attributes": {}, "feature_names": [], "feature_types": [],
   "gradient_booster": {"name": "gbtree", "model": {"trees": [
@@ -563,7 +563,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
   }
 }
 
-/// They hold second forests, and nothing of their models is lost.
+/// They contain second forests, and their models are read completely.
 TEST(ForestFile, ShippedForestsKeepTheirChecksums) {
   for (const char* name : {"middlebury", "middlebury_small", "middlebury_without_motorcycle"}) {
     const std::string path = std::string(CBMV_SOURCE_DIR "/models/") + name + ".forest";

@@ -12,7 +12,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Whole numbers, so that many are thresholds themselves.
+/// Integers, so that many values equal a threshold.
 class Values {
  public:
   explicit Values(int count) : columns_(kFeatureCount, std::vector<float>(count)) {
@@ -72,7 +72,7 @@ TEST(TreeWalker, IsEmptyWithoutGeneralTrees) {
   EXPECT_FALSE(TreeWalker(makeGeneralForest(3, 3, 1)).empty());
 }
 
-/// The evaluator makes costs of the walker's probabilities.
+/// The evaluator converts the walker's probabilities to costs.
 TEST(TreeWalker, CostsAreOneMinusProbability) {
   const int count = 300;
   const Values values(count);

@@ -78,7 +78,7 @@ TEST(CalibrationCheck, FindsNothingInARectifiedPair) {
   EXPECT_DOUBLE_EQ(found.geometry.focal_length_px, 300);
 }
 
-/// KITTI's color cameras and rigs of several cameras: both lie beside the reference.
+/// KITTI's color cameras and rigs with several cameras: no camera is at the reference.
 TEST(CalibrationCheck, TakesTheLeftCamerasPlaceIntoTheBaseline) {
   const CalibrationCheck found = check({camera(6), camera(-24)});
   EXPECT_TRUE(found.warnings.empty());
@@ -141,7 +141,7 @@ TEST(CalibrationCheck, WarnsOfEntriesThatNoRectifiedCameraHas) {
 }
 
 TEST(CalibrationCheck, WarnsOfBaselinesInOtherUnits) {
-  for (const double p3 : {-30000.0, -0.1}) {  // mm; not multiplied by f
+  for (const double p3 : {-30000.0, -0.1}) {  // mm, without the factor f
     expectWarning(
         {"/left/info and /right/info", "baseline", "0.005 to 5 m", "mm", "-fx * baseline"},
         [&](auto& cameras) { cameras.right.projection[3] = p3; });

@@ -8,7 +8,7 @@
 namespace cbmv {
 namespace {
 
-/// All levels 0 … 255, each equally often.
+/// All levels 0 … 255, equally often.
 cv::Mat allLevels() {
   cv::Mat image(64, 64, CV_8UC1);
   for (int i = 0; i < 64 * 64; ++i) {

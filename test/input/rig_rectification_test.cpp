@@ -29,7 +29,7 @@ RigTransform makeTransform() {
   return transform;
 }
 
-/// Where a camera that stands at `pose` sees the points once rectified.
+/// Rectified image points of a camera at `pose`.
 std::vector<cv::Point2d> rectifiedPoints(const std::vector<cv::Point3d>& points,
                                          const CameraCalibration& camera,
                                          const RigTransform& pose) {
@@ -49,7 +49,7 @@ std::vector<cv::Point2d> rectifiedPoints(const std::vector<cv::Point3d>& points,
   return rectified;
 }
 
-/// Rows agree, and disparities are focal length times baseline over depth.
+/// Expects equal rows, and disparities of focal length times baseline over depth.
 void expectRectifies(StereoCameras cameras) {
   const RigTransform transform = makeTransform();
   rectifyRig(cameras, transform);

@@ -33,7 +33,7 @@ TEST(ParseBounded, BoundsTheDepth) {
   EXPECT_THROW(parseBounded<Json>(brackets(JsonBounds::kMaxDepth + 1)), JsonTooLarge);
 }
 
-/// Of each object alone.
+/// The limit applies to each object.
 TEST(ParseBounded, BoundsTheKeysOfAnObject) {
   const std::string largest = object(JsonBounds::kMaxKeys);
   EXPECT_NO_THROW(parseBounded<Json>("[" + largest + "," + largest + "]"));

@@ -11,7 +11,7 @@
 namespace cbmv {
 namespace {
 
-/// As camera_calibration leaves it.
+/// As written by camera_calibration.
 const char* const kLeft =
     "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo/left\n"
     "camera_matrix:\n  rows: 3\n  cols: 3\n"

@@ -66,14 +66,14 @@ constexpr std::uint64_t kHugePixels = 65535ULL * 65535ULL;
 constexpr std::size_t kPngHeaderEnd = 24;
 const std::string kJpegFrame = "\xff\xc0";
 
-/// The bytes of a small image with the ending.
+/// The bytes of a small image file with this extension.
 std::string imageBytes(const std::string& ending) {
   const TemporaryFolder folder;
   writeImage(folder.file("small" + ending), randomImage(5, 7, CV_8UC1));
   return contentOf(folder.file("small" + ending));
 }
 
-/// Some bytes that promise gigabytes.
+/// A few bytes whose header claims gigabytes.
 std::string hugePng() {
   return imageBytes(".png").replace(16, 8, std::string("\0\0\xff\xff\0\0\xff\xff", 8));
 }
@@ -101,14 +101,14 @@ TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
   EXPECT_TRUE(mentions(errorText([&] { readGreyImage(large); }), {"at most 1073741824"}));
 }
 
-/// OpenCV throws where its own limits are exceeded.
+/// OpenCV throws if its own limits are exceeded.
 TEST(ImageFile, RefusesHugeClaimsOfOtherFormats) {
   const TemporaryFolder folder;
   const std::string file = folder.write("huge.pgm", "P5\n65535 65535\n255\n");
   EXPECT_TRUE(mentions(errorText([&] { readGreyImage(file); }), {file, "not an image"}));
 }
 
-/// What lies behind the end of a file is none of its bytes.
+/// Bytes after the end of the file must not be read.
 TEST(ClaimedPixels, AreOfHeadersThatAreWhole) {
   for (const auto& [bytes, header_end] : {std::pair(hugePng(), kPngHeaderEnd),
                                           std::pair(hugeJpeg(), hugeJpeg().find(kJpegFrame) + 9)}) {
@@ -119,7 +119,7 @@ TEST(ClaimedPixels, AreOfHeadersThatAreWhole) {
   }
 }
 
-/// A segment may hold anything, a picture of the picture for one.
+/// A segment may contain anything, for example a thumbnail.
 TEST(ClaimedPixels, AreNotOfWhatASegmentHolds) {
   const std::string segment("\xff\xe1\0\x0b\xff\xc0\0\x0b\x08\xff\xff\xff\xff", 13);
   const std::string jpeg = imageBytes(".jpg").insert(2, segment);
@@ -166,7 +166,7 @@ TEST(ImageFile, PalettesBecomeColors) {
   EXPECT_EQ(read.at<cv::Vec3b>(1, 2), cv::Vec3b(1, 2, 3));
 }
 
-/// A JPEG whose EXIF data ask to turn it by 90 degrees.
+/// A JPEG whose EXIF data request a rotation by 90 degrees.
 TEST(ImageFile, IsNotTurned) {
   const TemporaryFolder folder;
   const std::string orientation("\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 12);
@@ -189,7 +189,7 @@ TEST(ImageFile, NamesTheFileOfAnotherDepth) {
   }
 }
 
-/// Files that hold the levels 0 … `top` of one pair.
+/// Files with the levels 0 … `top` of one pair.
 class GrayPairFiles : public testing::Test {
  protected:
   GrayPair readWithTop(int type, double top) const {

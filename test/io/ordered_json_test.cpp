@@ -19,7 +19,7 @@ TEST(OrderedJson, KeepsTheOrderOfTheKeys) {
   EXPECT_EQ(copy.dump(), json.dump());
 }
 
-/// The value is the last one, the place the first one.
+/// It keeps the last value at the first position.
 TEST(OrderedJson, HoldsAKeyOnce) {
   EXPECT_EQ(OrderedJson::parse(R"({"z":1,"a":2,"z":3})").dump(), R"({"z":3,"a":2})");
 }

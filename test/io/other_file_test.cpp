@@ -37,7 +37,7 @@ TEST_F(OtherFileTest, OneFileHasManyPaths) {
   EXPECT_FALSE(isRejected(input_, folder_.file("out.bag")));
 }
 
-/// Paths that are not there yet are compared, too.
+/// Paths that do not exist yet are compared, too.
 TEST_F(OtherFileTest, PathsThatAreRelative) {
   EXPECT_TRUE(isSameFile("missing.bag", "./missing.bag"));
   EXPECT_TRUE(isSameFile("missing.bag", fs::absolute("missing.bag").string()));

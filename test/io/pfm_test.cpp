@@ -60,7 +60,7 @@ TEST(Pfm, HeadersMayHaveCommentsBlanksAndLineEndsOfWindows) {
   }
 }
 
-/// A value whose first byte is a line feed is no part of the header.
+/// A value whose first byte is a line feed does not belong to the header.
 TEST(Pfm, TheSizeTellsWhereTheHeaderEnds) {
   const TemporaryFolder folder;
   const std::string value("\n\x00\x80\x3f", 4);

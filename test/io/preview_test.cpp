@@ -29,7 +29,7 @@ TEST(Preview, DisparityRunsThroughTheColourMap) {
       const double position = (disparity.at<float>(y, x) - lowest) / (highest - lowest);
       const double exact = 255.0 * std::clamp(position, 0.0, 1.0);
       if (std::abs(exact - std::floor(exact) - 0.5) < 1e-3) {
-        continue;  // either neighbour is right
+        continue;  // either neighbor is correct
       }
       ASSERT_EQ(picture.at<cv::Vec3b>(y, x), color(cvRound(exact), cv::COLORMAP_TURBO));
     }

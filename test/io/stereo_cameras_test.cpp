@@ -33,7 +33,7 @@ const std::string kKittiRaw = "calib_time: 09-Jan-2012 13:57:47\n" + kittiCamera
                               kittiCamera("01", -387.5) + kittiCamera("02", 44.8) +
                               kittiCamera("03", -339.5);
 
-/// EuRoC's file: a camera that looks along the body's y axis, `x_m` along its x axis.
+/// EuRoC's file: a camera that looks along the y axis of the body, at `x_m` on its x axis.
 std::string euroc(double x_m, const std::string& model = "radial-tangential") {
   return "%YAML:1.0\n# General sensor definitions.\nsensor_type: camera\nT_BS:\n  cols: 4\n"
          "  rows: 4\n  data: [1, 0, 0, " +

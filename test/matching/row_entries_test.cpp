@@ -36,7 +36,7 @@ void forPlaces(const RowEntries& entries, const DisparityRange& range, const Che
 TEST_P(RowEntriesTest, HasEachEntryOnceByDisparityAndColumn) {
   const Shape& shape = GetParam();
   const SearchSpace space = windows();
-  RowEntries entries;  // keeps its memory
+  RowEntries entries;  // reused for all cases
   for (int y = 0; y < shape.height; ++y) {
     entries.build(space, y);
     std::set<int> numbers(entries.outside().begin(), entries.outside().end());

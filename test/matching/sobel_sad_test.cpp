@@ -7,7 +7,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Of the image that repeats its border by kMatchingBorderPx, and no further.
+/// Response in an image whose border is repeated by kMatchingBorderPx only.
 double response(const cv::Mat& grey, int y, int x) {
   const auto column = [&](int column_x) {
     const int inside = std::clamp(column_x, -kMatchingBorderPx, grey.cols - 1 + kMatchingBorderPx);

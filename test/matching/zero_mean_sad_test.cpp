@@ -7,7 +7,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Rounded to a quarter, halves up, as the header promises.
+/// Mean rounded to a quarter, halves up, as documented in the header.
 double windowMean(const cv::Mat& grey, int y, int x) {
   double sum = 0;
   for (int dy = -2; dy <= 2; ++dy) {

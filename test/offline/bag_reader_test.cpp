@@ -57,8 +57,8 @@ TEST_P(BagReaderTest, KnowsStampsAndTypes) {
   }
 }
 
-/// However much is cut off, what is read was in the bag, in its order; the more is left, the more
-/// is read.
+/// However much is cut off, the messages read are those of the bag in its order. A longer rest
+/// yields at least as many messages.
 TEST_P(BagReaderTest, ReadsTheBeginningOfTruncatedBags) {
   const Content whole = contentByReader(path_);
   const std::string bytes = contentOf(path_);
@@ -75,7 +75,7 @@ TEST_P(BagReaderTest, ReadsTheBeginningOfTruncatedBags) {
   EXPECT_EQ(known, whole.size());
 }
 
-/// Another process writes the file anew, or a disk fails.
+/// Happens if another process rewrites the file or a disk fails.
 TEST_P(BagReaderTest, NamesAFileThatBecomesShorter) {
   const BagReader reader(path_);
   std::filesystem::resize_file(path_, 8000);
@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Compression, BagReaderTest,
                          testing::Values(rosbag::compression::Uncompressed,
                                          rosbag::compression::LZ4, rosbag::compression::BZ2));
 
-/// A bag that is still being recorded: what rosbag has on the disk before it closes the bag.
+/// A bag that is still being recorded: the data that rosbag has written before it closes the bag.
 TEST(BagReader, ReadsBagsThatAreStillBeingRecorded) {
   const TemporaryFolder folder;
   const std::string active = folder.file("in.bag.active");
@@ -121,7 +121,7 @@ TEST(BagReader, RefusesWhatIsNoBag) {
               testing::HasSubstr("/dev/null: it is no file"));
   EXPECT_THAT(errorText([] { BagReader{"/"}; }), testing::HasSubstr("read /: it is no file"));
   const std::string pipe = folder.file("pipe");
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // nobody writes to it
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // without a writer
   EXPECT_THAT(errorText([&] { BagReader{pipe}; }), testing::HasSubstr("pipe: it is no file"));
 }
 
@@ -152,14 +152,14 @@ TEST(BagReader, TakesNoMemoryForWhatAChunkClaims) {
   }
 }
 
-/// The most that this process has had so far.
+/// Peak memory of this process.
 long peakMemoryMb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss / 1024;
 }
 
-/// No more than a chunk may unpack to, but more than LZ4 can make of so few bytes.
+/// Less than the limit of a chunk, but more than LZ4 can produce from these bytes.
 TEST(BagReader, TakesNoMemoryForWhatLz4CannotMean) {
   const TemporaryFolder folder;
   std::string bytes =
@@ -174,7 +174,7 @@ TEST(BagReader, TakesNoMemoryForWhatLz4CannotMean) {
   EXPECT_LT(peakMemoryMb() - before_mb, 500);
 }
 
-/// rosbag takes no time before TIME_MIN, and ROS none behind TIME_MAX.
+/// rosbag accepts no time before TIME_MIN, and ROS none after TIME_MAX.
 TEST(BagReader, BringsTimesIntoTheRangeOfRos) {
   const TemporaryFolder folder;
   std::string bytes = contentOf(writeRecording(folder.file("in.bag"), 2));
@@ -191,7 +191,7 @@ std::string numberBytes(std::uint32_t number) {
   return {reinterpret_cast<const char*>(&number), sizeof(number)};
 }
 
-/// The bytes after their number, as texts are in a bag.
+/// The bytes preceded by their number, as strings in a bag.
 std::string sized(const std::string& bytes) {
   return numberBytes(static_cast<std::uint32_t>(bytes.size())) + bytes;
 }
@@ -214,7 +214,7 @@ const std::string kNumberZero = "conn=" + numberBytes(0);
 const std::string kConnection =
     recordOf({kOpConnection, kNumberZero, "topic=/t"}, sized("type=std_msgs/String"));
 
-/// What a reader makes of a bag of these records.
+/// Result of reading a bag with these records.
 struct Outcome {
   explicit Outcome(const std::string& records, std::uint64_t size = 0) {
     const TemporaryFolder folder;
@@ -240,7 +240,7 @@ TEST(BagReader, ReadsMessagesWithoutTimeAndStamp) {
   EXPECT_EQ(outcome.entries[0].size, 2U);
 }
 
-/// A number of fewer bytes than it has is 0, not what happens to lie behind it.
+/// A number field that is too short is read as 0. Bytes behind it are not read.
 TEST(BagReader, TakesNumbersThatAreCutOffForZero) {
   const Outcome outcome(recordOf({kOpConnection, "conn=\x05", "topic=/t"}, "") +
                         recordOf({kOpMessage, kNumberZero}, ""));
@@ -255,7 +255,7 @@ TEST(BagReader, LeavesOutMessagesWithoutConnection) {
   EXPECT_EQ(outcome.entries[0].connection, 0U);
 }
 
-/// The length of a field that the header does not have.
+/// The field length exceeds the header.
 TEST(BagReader, ReadsNoFieldBehindItsHeader) {
   const std::string op = sized(kOpConnection);
   for (const std::string& rest :
@@ -265,7 +265,7 @@ TEST(BagReader, ReadsNoFieldBehindItsHeader) {
   EXPECT_EQ(Outcome(sized(op + sized("a=b")) + sized("")).connections, 1U);
 }
 
-/// The file is as long as they claim: what it does not hold on the disk is zero.
+/// A sparse file: it has the claimed length, and the missing data are zero.
 TEST(BagReader, RefusesTextsOfMoreThan64MiB) {
   constexpr std::uint32_t most = 64 << 20;
   for (const std::uint32_t size : {most, most + 1}) {

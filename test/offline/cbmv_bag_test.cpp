@@ -1,4 +1,4 @@
-// The program cbmv_bag: kills, exit status and what it says.
+// The program cbmv_bag: kills, exit status and output.
 
 #include <algorithm>
 #include <chrono>
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using test::expectRefusal;
 using test::Outcome;
 
-/// The lines of an output that a program begins with its name.
+/// The lines of an output that begin with the program's name.
 std::string linesOf(const std::string& program, const std::string& output) {
   std::istringstream lines(output);
   std::string kept;
@@ -96,7 +96,7 @@ class CbmvBagTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// Whether the program was still running.
+/// Returns whether the program was still running.
 bool killHard(pid_t child) {
   kill(child, SIGKILL);
   int status = 0;
@@ -104,7 +104,7 @@ bool killHard(pid_t child) {
   return WIFSIGNALED(status);
 }
 
-/// Kills at random moments, and compares what a run that goes on afterwards leaves.
+/// Kills the program at random times and compares the result of a resumed run.
 class KilledCbmvBagTest : public CbmvBagTest {
  protected:
   KilledCbmvBagTest() {
@@ -113,19 +113,20 @@ class KilledCbmvBagTest : public CbmvBagTest {
     std::printf("seed %u\n", seed_);
     std::fflush(stdout);
   }
-  /// Kills `times` times, then lets the program end.
+  /// Kills the program `times` times, then lets it finish.
   void killAndResume(const std::string& output, const std::string& complete_file, int times,
                      const std::vector<std::string>& more) {
     std::uniform_real_distribution<double> delay_s(0, longest_s_);
     int kills = 0;
-    int left_parts = 0;  // kills; one at least has to, or nothing would be resumed
+    int left_parts =
+        0;  // number of kills that left parts; at least one, or nothing would be resumed
     while (kills < times || (left_parts == 0 && kills < 20 * times)) {
       const pid_t child = start(output, more);
       std::this_thread::sleep_for(std::chrono::duration<double>(delay_s(random_)));
       kills += static_cast<int>(killHard(child));
       left_parts += static_cast<int>(parts(complete_file) > 0);
       if (fs::exists(folder_.file(complete_file))) {
-        fs::remove_all(folder_.file(output));  // it was done: once more
+        fs::remove_all(folder_.file(output));  // it had finished: start again
       }
     }
     EXPECT_GT(left_parts, 0) << "all were killed before they had done anything";
@@ -134,7 +135,7 @@ class KilledCbmvBagTest : public CbmvBagTest {
     EXPECT_EQ(status, 0);
     EXPECT_EQ(parts(complete_file), 0U);
   }
-  /// Of a run that is not disturbed; the kills come in that time.
+  /// Runs without interruption. The kills are distributed over its duration.
   void runWhole(const std::string& output, const std::string& more) {
     const auto begin = std::chrono::steady_clock::now();
     ASSERT_EQ(run(output, "--frames-per-part 2 " + more).status, 0);
@@ -170,8 +171,8 @@ TEST_F(KilledCbmvBagTest, LosesNoFile) {
   EXPECT_EQ(filesThatBegin("killed/disparity/0"), 40U);
 }
 
-/// Packing takes most of the merge, so that it is hit; what is there of the output is not taken for
-/// one.
+/// Compression takes most of the time of the merge, so that kills hit it. An incomplete output must
+/// not be accepted as complete.
 TEST_F(KilledCbmvBagTest, LosesNothingInTheMerge) {
   runWhole("whole.bag", "");
   const std::vector<std::string> more = {"--compression", "bz2"};
@@ -192,7 +193,7 @@ TEST_F(KilledCbmvBagTest, LosesNothingInTheMerge) {
   EXPECT_EQ(filesThatBegin("killed.bag"), 1U) << "parts are left";
 }
 
-/// The number behind a key of the summary.
+/// The number for a key of the summary.
 double numberIn(const std::string& json, const std::string& key) {
   const std::size_t place = json.find("\"" + key + "\": ");
   return place == std::string::npos ? 0 : std::stod(json.substr(place + key.size() + 4));
@@ -215,7 +216,7 @@ TEST_F(CbmvBagTest, MemoryDoesNotGrowWithTheRecording) {
   EXPECT_LT(peak_mb[1], 1.05 * peak_mb[0]);
 }
 
-/// Frames that need too much memory fail; the sentence is in the summary and in the index.
+/// Frames that need too much memory fail. The message is in the summary and in the index.
 TEST_F(CbmvBagTest, RefusesWhatNeedsTooMuchMemory) {
   writeRecording(folder_.file("in.bag"), 2);
   EXPECT_EQ(run("out/", "--max-memory-mb 1 --json " + folder_.file("summary.json")).status, 3);
@@ -263,7 +264,7 @@ TEST_F(CbmvBagTest, StatusSaysThatTheInputIsDamaged) {
   EXPECT_FALSE(messagesOf(folder_.file("out.bag")).empty());
 }
 
-/// A file that may not grow fails as on a full disk, but without notice.
+/// A file size limit acts like a full disk, but the system gives no notice.
 TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 6);
   Outcome outcome = run("out.bag", "--frames-per-part 1000", "ulimit -f 60;");
@@ -274,7 +275,7 @@ TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
   EXPECT_EQ(messagesOf(folder_.file("out.bag")).size(), 6U);
 }
 
-/// The same with files: the frames before are kept.
+/// The same with files: frames written before are kept.
 TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 4);
   const Outcome outcome = run("out/", "--write disparity,cloud", "ulimit -f 60;");
@@ -285,7 +286,7 @@ TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
   EXPECT_EQ(filesThatBegin("out/points2/0"), 4U);
 }
 
-/// Exit status, and what stderr says.
+/// Exit status and stderr.
 TEST_F(CbmvBagTest, ExitStatusTellsThatNothingWasDone) {
   writeRecording(folder_.file("in.bag"), 2);
   const Outcome late = run("out.bag", "--start 1000 --json " + folder_.file("summary.json"));
@@ -329,7 +330,7 @@ TEST_F(CbmvBagTest, SummaryIsNotWrittenOverTheOutput) {
                 {"--json and --output"});
 }
 
-/// The merge writes beside its output, and removes that file.
+/// The merge writes a temporary file beside its output and removes it.
 TEST_F(CbmvBagTest, MergeKeepsTheShardThatIsNamedAsItsOwnFile) {
   writeRecording(folder_.file("in.bag"), 2);
   const std::string first = folder_.file("all.bag.merge");

@@ -107,7 +107,8 @@ TEST_F(ConversionTest, ThreadsChangeNothing) {
   EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
 }
 
-/// Of each frame alone, whatever was before: a near object in the middle of the recording.
+/// The range is found per frame, independent of earlier frames: a near object in the middle of the
+/// bag.
 TEST_F(ConversionTest, AnAutomaticRangeIsThatOfTheFrame) {
   const cv::Size size(160, 96);
   const auto message = [&](int index) {
@@ -266,7 +267,7 @@ TEST(DecompressImage, KeepsBayerAndNamesWhatIsBroken) {
   }
 }
 
-/// Lenses that bend; the right one is turned.
+/// Adds distortion; the right camera is rotated.
 void bendLens(sensor_msgs::CameraInfo& info, double angle) {
   info.distortion_model = "plumb_bob";
   info.D = {-0.2, 0.05, 0.001, -0.002, 0};
@@ -320,7 +321,7 @@ TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
   }
   bag.close();
   options_.outputs = {"cloud"};
-  options_.matching.stereo.range = {2, 3};  // nothing to see: any disparity will do
+  options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
   convert(options_);
   const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
   ASSERT_EQ(clouds.size(), 1U);
@@ -346,8 +347,8 @@ TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
   EXPECT_FALSE(fs::exists(output_ + ".part.json"));
 }
 
-/// Pairs named image_raw that are rectified already, with the calibration of before, as kitti2bag
-/// writes them.
+/// Pairs named image_raw that are already rectified, with the raw calibration, as written by
+/// kitti2bag.
 class RectifiedAsRaw : public ConversionTest {
  protected:
   RectifiedAsRaw() {
@@ -399,7 +400,7 @@ TEST_F(RectifiedAsRaw, AreTakenAsTheyAreIfTheUserSaysSo) {
   EXPECT_EQ(cv::norm(disparity(), live_, cv::NORM_INF), 0);
 }
 
-/// Frames of both would be mixed.
+/// The output would mix both kinds of frames.
 TEST_F(RectifiedAsRaw, AreNotResumedWithAnotherChoice) {
   ConversionEvents events;
   events.should_stop = [] { return true; };
@@ -407,7 +408,7 @@ TEST_F(RectifiedAsRaw, AreNotResumedWithAnotherChoice) {
   options_.earlier = EarlierParts::kResume;
   options_.topics.rectified = Rectified::kYes;
   EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"other options"}));
-  options_.topics.rectified = Rectified::kNo;  // what was chosen by the name
+  options_.topics.rectified = Rectified::kNo;  // the choice derived from the name
   EXPECT_TRUE(convert(options_).was_written);
 }
 
@@ -431,7 +432,7 @@ TEST_F(RectifiedAsRaw, MayBeNamedRelatively) {
   EXPECT_TRUE(convert(options_).isComplete());
 }
 
-/// Without camera_info, or in its place.
+/// Used without camera_info, or instead of it.
 TEST_F(ConversionTest, CalibrationsMayBeFiles) {
   const PairMessages messages = recordedFrame(0);
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
@@ -454,7 +455,7 @@ TEST_F(ConversionTest, CalibrationsMayBeFiles) {
   EXPECT_FLOAT_EQ(disparities(output_)[0]->T, 0.5F);
 }
 
-/// A recording without camera_info, of images with these names, and files of its calibration.
+/// A bag without camera_info, with images of these names, and calibration files.
 class CalibratedByFiles : public ConversionTest {
  protected:
   void write(const std::string& image, const cv::Mat& pixels, const std::string& encoding) {
@@ -506,7 +507,7 @@ TEST_F(CalibratedByFiles, NameTheFileThatCannotBeUsed) {
                                    "distortion model 'fisheye'"}));
 }
 
-/// Middlebury's calib.txt tells nothing of raw images.
+/// Middlebury's calib.txt has no data for raw images.
 TEST_F(CalibratedByFiles, OfRectifiedImagesRectifyNothing) {
   write("image_raw", renderPair({96, 64}, 3, 8).left, "mono8");
   options_.topics.left_calibration = folder_.file("calib.txt");
@@ -521,12 +522,13 @@ TEST_F(CalibratedByFiles, OfRectifiedImagesRectifyNothing) {
   EXPECT_TRUE(convert(options_).was_written);
 }
 
-/// image_rect_color beside them is what clouds of other rectified images are colored by.
+/// For rectified images with other names, image_rect_color beside them is the color source of
+/// clouds.
 TEST_F(CalibratedByFiles, CloudsTakeTheColorsOfImagesThatAreNotNamedRectified) {
   write("image_raw", cv::Mat(64, 96, CV_8UC3, cv::Scalar(200, 100, 0)), "bgr8");
   options_.topics.rectified = Rectified::kYes;
   options_.outputs = {"cloud"};
-  options_.matching.stereo.range = {2, 3};  // nothing to see: any disparity will do
+  options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
   convert(options_);
   const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
   ASSERT_EQ(clouds.size(), 1U);
@@ -604,7 +606,7 @@ TEST_F(ConversionTest, WithoutAnyResultNoBagIsWritten) {
   EXPECT_TRUE(mentions(describeSummary(summary), {"0 of 1 frames done, 1 failed", "baseline"}));
 }
 
-/// Drivers that do not set stamps: the live node pairs what comes, too.
+/// For drivers that do not set stamps. The node pairs images in order of arrival, too.
 TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     for (int index = 0; index < 3; ++index) {
@@ -615,7 +617,7 @@ TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
             &messages.right_image->header, &messages.right_info->header}) {
         header->stamp = ros::Time(0, 0);
       }
-      messages.right_info->P[3] *= index + 1;  // another baseline each time
+      messages.right_info->P[3] *= index + 1;  // a different baseline each time
       bag.write("/stereo/left/camera_info", time, messages.left_info);
       bag.write("/stereo/right/camera_info", time, messages.right_info);
       bag.write("/stereo/left/image_rect", time, messages.left_image);
@@ -633,7 +635,7 @@ TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
   }
 }
 
-/// A camera that was calibrated anew during the recording, whose camera_info came seldom.
+/// A camera that was recalibrated during the recording and publishes camera_info rarely.
 TEST_F(ConversionTest, CalibrationsOfTheFutureDoNotCount) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     for (int index = 0; index < 10; ++index) {
@@ -755,12 +757,12 @@ TEST_F(ConversionTest, StopsAndResumesWithTheSameContent) {
   EXPECT_TRUE(convert(options_).was_complete);
 }
 
-/// The offset comes from a frame that was done before the run was stopped, or is left out.
+/// The offset comes from a frame that was processed before the run was stopped, or that is skipped.
 TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   for (int index = 0; index < 6; ++index) {
     StereoPair pair = renderPair({320, 240}, 5, 11, static_cast<std::uint64_t>(index) + 1);
-    const int rows = 2 + index % 2;  // what the first pair of a second has, counts
+    const int rows = 2 + index % 2;  // the first pair of a second determines the offset
     pair.right = pair.right(cv::Rect(0, rows, 320, 236)).clone();
     pair.left = pair.left(cv::Rect(0, 0, 320, 236)).clone();
     writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100 + 0.3 * index)));

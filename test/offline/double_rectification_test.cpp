@@ -21,7 +21,7 @@ PairMessages rectifiedPair() {
                       ros::Time(100));
 }
 
-/// The same lens with so much of its distortion, turn and decentering.
+/// The same lens with this fraction of its distortion, rotation and decentering.
 Lens weakened(const Lens& lens, double share) {
   Lens weak = lens;
   weak.matrix =
@@ -35,12 +35,12 @@ Lens weakened(const Lens& lens, double share) {
 
 class DoubleRectification : public testing::Test {
  protected:
-  /// Of a recording of the pair as raw images.
+  /// The warning for a bag of the pair as raw images.
   std::string warning(const PairMessages& messages) {
     const FramePlan plan = planOf(messages, {});
     return doubleRectificationWarning(plan.topics, plan.frames.at(0), options_);
   }
-  /// Of a recording of the pair as rectified images.
+  /// The warning for a bag of the pair as rectified images.
   std::string misaligned(const PairMessages& messages) {
     TopicChoice as_they_are;
     as_they_are.rectified = Rectified::kYes;
@@ -67,10 +67,10 @@ class DoubleRectification : public testing::Test {
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");
   StereoOptions options_;
-  std::optional<BagSet> bags_;  ///< planned frames are read from it
+  std::optional<BagSet> bags_;  ///< source of the planned frames
 };
 
-/// Weak lenses leave rows of raw images nearly aligned.
+/// With weak distortion, the rows of raw images are nearly aligned.
 TEST_F(DoubleRectification, IsNotSuspectedOfRawImages) {
   for (const double share : {1.0, 0.3, 0.1, 0.03, 0.01}) {
     PairMessages messages = rectifiedPair();
@@ -102,7 +102,7 @@ TEST_F(DoubleRectification, IsNotTakenForACalibrationThatDoesNotFit) {
   EXPECT_THAT(warning(messages), HasSubstr("The calibration does not fit the images"));
 }
 
-/// Raw images whose topics are named as those of rectified ones.
+/// Raw images whose topics have names of rectified images.
 TEST_F(DoubleRectification, RowsOfRawImagesTakenAsRectifiedAreWarnedOf) {
   PairMessages messages = rectifiedPair();
   EXPECT_THAT(misaligned(messages), IsEmpty());

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 using Row = std::vector<std::string>;
 
-/// Fields without quotes: none in these tests holds a comma but the last, the failure.
+/// Fields without quotes. In these tests only the last one, the failure, contains commas.
 std::vector<Row> readIndex(const std::string& path) {
   std::ifstream file(path);
   std::vector<Row> rows;
@@ -54,12 +54,12 @@ class FrameFilesTest : public testing::Test {
   FrameFilesTest() {
     bag_.outputs = folder_options_.outputs = fixtureOutputs();
     folder_options_.files = DisparityFormat::kPfm;
-    for (ConversionOptions* options : {&bag_, &folder_options_}) {  // some pixels have nothing
+    for (ConversionOptions* options : {&bag_, &folder_options_}) {  // some pixels have no disparity
       options->matching.stereo.refinement.fill_occlusions = false;
       options->matching.stereo.refinement.fill_mismatches = false;
     }
   }
-  /// Four frames, the third of which fails.
+  /// Four frames; the third fails.
   void writeInput() {
     PairMessages bad = recordedFrame(2, {80, 64});
     bad.right_image = recordedFrame(2).right_image;
@@ -75,7 +75,7 @@ class FrameFilesTest : public testing::Test {
   std::vector<boost::shared_ptr<Message>> messages(const std::string& output) {
     return readTopic<Message>(bag_.output, "/stereo/" + output);
   }
-  /// Files of an output in the order of the frames, those that failed left out.
+  /// Files of an output in frame order, without failed frames.
   std::vector<std::string> files(const std::string& output) {
     const std::vector<Row> rows = readIndex(folder_options_.output + "/index.csv");
     const auto column = static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), output) -
@@ -114,7 +114,7 @@ cv::Mat_<Value> pixels(const sensor_msgs::Image& image) {
   return copy;
 }
 
-/// The same bits, NaN too.
+/// Compares bits, including NaN.
 template <typename Value>
 void expectSame(const cv::Mat& found, const cv::Mat_<Value>& expected) {
   ASSERT_EQ(found.size(), expected.size());
@@ -250,7 +250,8 @@ TEST_F(FrameFilesTest, BeginningAnewLeavesNothingOfBefore) {
   folder_options_.plan.every = 2;
   convert(folder_options_);
   EXPECT_TRUE(fs::exists(note));
-  EXPECT_EQ(filesIn(folder_options_.output).size(), 3U);  // with the index; the other frame failed
+  EXPECT_EQ(filesIn(folder_options_.output).size(),
+            3U);  // includes the index; the other frame failed
 }
 
 TEST_F(FrameFilesTest, RefuseWithOneSentence) {

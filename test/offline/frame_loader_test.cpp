@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Of a raw image, as drivers send it.
+/// Calibration of a raw image, as sent by drivers.
 sensor_msgs::CameraInfo calibration() {
   sensor_msgs::CameraInfo info = *recordedFrame(0).left_info;
   info.distortion_model = "plumb_bob";
@@ -33,12 +33,12 @@ sensor_msgs::Image imageOf(const sensor_msgs::CameraInfo& info) {
   return toMessage(cv::Mat::zeros(size, CV_8UC1), sensor_msgs::image_encodings::MONO8, info.header);
 }
 
-/// Why an image of the size of the recording cannot be rectified with this calibration.
+/// The error when an image with the recorded size is rectified with this calibration.
 std::string refusal(const sensor_msgs::CameraInfo& info) {
   return errorText([&] { RawCamera(info, "/left", imageSize(imageOf(calibration()))); });
 }
 
-/// The bytes of a message in which the 4 bytes at `place` are a length that there is not.
+/// The bytes of a message in which the 4 bytes at `place` are a length that exceeds the message.
 template <typename Message>
 void expectOverrun(const Message& message, std::size_t place) {
   RawMessage raw = toRawMessage(message, "/topic");
@@ -52,7 +52,7 @@ void expectOverrun(const Message& message, std::size_t place) {
   }
 }
 
-/// 0x20000001 doubles have 8 bytes, as roscpp counts with 32 bits.
+/// 0x20000001 doubles are 8 bytes in the 32-bit arithmetic of roscpp.
 TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
   sensor_msgs::Image image = imageOf(calibration());
   image.header.frame_id = "left";
@@ -82,7 +82,8 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
     return refusal(info);
   };
   using Info = sensor_msgs::CameraInfo;
-  EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }), HasSubstr("no usable calibration (K[0] = 0)"));
+  EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }),
+              HasSubstr("no usable calibration (K[0] = 0)"));
   EXPECT_THAT(changed([](Info& info) { info.width = info.height = 4000000000U; }),
               HasSubstr("/left is raw, but its camera_info describes a sensor of 4000000000x"));
   EXPECT_THAT(changed([](Info& info) { info.width += 1; }),
@@ -94,7 +95,7 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
                 info.roi.height = info.height;
               }),
               HasSubstr("region of interest (roi)"));
-  // The image is a window of 16x12 of a sensor whose maps would take gigabytes.
+  // The image is a window of 16x12 px in a sensor whose maps would take gigabytes.
   EXPECT_THAT(changed([](Info& info) {
                 info.roi.width = info.width;
                 info.roi.height = info.height;
@@ -131,7 +132,7 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
               HasSubstr("coefficients D of the model equidistant, expected 4. Correct D"));
 }
 
-/// The rows and columns of a rotation about the vertical axis.
+/// Rotates the camera about the vertical axis.
 void turn(sensor_msgs::CameraInfo& info) {
   const double c = std::cos(0.05);
   const double s = std::sin(0.05);
@@ -144,7 +145,7 @@ cv::Mat noise(const sensor_msgs::CameraInfo& info) {
   return image;
 }
 
-/// By OpenCV's own maps of a camera without distortion coefficients.
+/// Expected result from OpenCV's maps for a camera without distortion.
 cv::Mat expectedImage(const sensor_msgs::CameraInfo& info, const cv::Mat& image, bool fisheye) {
   const cv::Matx33d k(info.K.data());
   const cv::Matx33d r(info.R.data());
@@ -159,7 +160,7 @@ cv::Mat expectedImage(const sensor_msgs::CameraInfo& info, const cv::Mat& image,
   return rectified;
 }
 
-/// image_proc does not: image_geometry takes zeros for "nothing to do".
+/// image_proc does not, because image_geometry treats zeros as "nothing to do".
 TEST(RawCamera, RectifiesByRotationAndProjectionWithoutDistortion) {
   for (const std::string model : {"", "plumb_bob", "rational_polynomial", "equidistant"}) {
     for (const std::size_t coefficients : {0U, 4U}) {
@@ -187,7 +188,7 @@ TEST(RawCamera, LeavesImagesThatNeedNoRectification) {
     info.D.clear();
     EXPECT_EQ(RawCamera(info, "/left", image.size()).rectify(image, "/left").data, image.data);
   }
-  info.distortion_model = "equidistant";  // bends lines without any coefficient
+  info.distortion_model = "equidistant";  // has distortion even if all coefficients are zero
   const cv::Mat rectified = RawCamera(info, "/left", image.size()).rectify(image, "/left");
   EXPECT_EQ(cv::norm(rectified, expectedImage(info, image, true), cv::NORM_INF), 0);
 }
@@ -202,7 +203,7 @@ TEST(RawCamera, TakesTheSizeOfTheImageWhereNoneIsKnown) {
   EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0);
 }
 
-/// Of the sensor, the part with the image has to be there at least.
+/// The sensor is at least as large as the region of the image.
 TEST(RawCamera, TakesTheSizeOfTheRegionOfInterestWhereNoneIsKnown) {
   sensor_msgs::CameraInfo info = calibration();
   const cv::Size size(40, 30);

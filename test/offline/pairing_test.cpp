@@ -11,7 +11,8 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-/// Recorded one after the other: all before those of the other camera, unless places are given.
+/// By default, all images of one camera are recorded before those of the other; `place` changes
+/// this.
 std::vector<StampedImage> times(const std::vector<double>& seconds) {
   std::vector<StampedImage> images(seconds.size());
   std::transform(seconds.begin(), seconds.end(), images.begin(),
@@ -21,7 +22,7 @@ std::vector<StampedImage> times(const std::vector<double>& seconds) {
   return images;
 }
 
-/// Images of one stamp at these places of the recording.
+/// Images with the same stamp at these places of the bag.
 std::vector<StampedImage> ofOneStamp(const std::vector<std::size_t>& places) {
   std::vector<StampedImage> images;
   for (const std::size_t place : places) {
@@ -44,16 +45,16 @@ TEST(PairStamps, PairsEqualStampsInTheOrderOfTheRecording) {
   EXPECT_TRUE(pairs.right_repeated.empty());
 }
 
-/// As the live node: the image that comes next replaces the one whose partner was lost.
+/// As in the node: the next image replaces the one whose partner was lost.
 TEST(PairStamps, LostRightImageDoesNotShiftThoseAfterIt) {
-  // left 0, 1, 2, 3 and the right images of 0, 2 and 3
+  // Left images 0, 1, 2, 3 and the right images of 0, 2 and 3.
   const StampPairs pairs = pairStamps(ofOneStamp({0, 2, 3, 5}), ofOneStamp({1, 4, 6}), 0);
   EXPECT_EQ(pairs.pairs, (Pairs{{0, 0}, {2, 1}, {3, 2}}));
   EXPECT_EQ(pairs.left_repeated, (std::vector<std::size_t>{1}));
   EXPECT_TRUE(pairs.left_alone.empty());
 }
 
-/// Split recordings that overlap.
+/// Occurs in split bags that overlap.
 TEST(PairStamps, MessagesThatAreThereTwiceArePairedOnce) {
   const StampPairs pairs = pairStamps(ofOneStamp({0, 1}), ofOneStamp({2, 3}), 0);
   EXPECT_EQ(pairs.pairs, (Pairs{{1, 0}}));
@@ -72,7 +73,7 @@ TEST(PairStamps, BoundIsPartOfTheRange) {
   EXPECT_EQ(pairStamps(times({1}), times({1.25}), 0.2).pairs.size(), 0U);
 }
 
-/// Further apart than ros::Duration can say.
+/// The difference exceeds the range of ros::Duration.
 TEST(PairStamps, StampsMayBeACenturyApart) {
   const std::vector<ros::Time> stamps = {ros::Time(1, 0), ros::Time(4200000000, 5)};
   EXPECT_EQ(distanceNs(stamps[0], stamps[1]), 4199999999000000005);
@@ -82,7 +83,7 @@ TEST(PairStamps, StampsMayBeACenturyApart) {
   EXPECT_EQ(pairs.left_alone.size(), 2U);
 }
 
-/// Each the other's nearest, by comparing all with all.
+/// Mutually nearest images, found by comparing all with all.
 Pairs referencePairs(const std::vector<StampedImage>& left, const std::vector<StampedImage>& right,
                      double bound_s) {
   const auto distance = [](const StampedImage& a, const StampedImage& b) {

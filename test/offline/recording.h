@@ -18,7 +18,7 @@
 
 namespace cbmv {
 
-/// The messages of frame `index` of a recording: each has a scene of its own.
+/// The messages of frame `index` of a bag. Each frame shows another scene.
 inline PairMessages recordedFrame(int index, cv::Size size = {96, 64}) {
   return makeMessages(renderPair(size, 3, 8, static_cast<std::uint64_t>(index) + 1), Rig{},
                       ros::Time(100 + 0.1 * index));
@@ -32,14 +32,14 @@ inline void writeFrame(rosbag::Bag& bag, const PairMessages& messages) {
   bag.write("/stereo/right/camera_info", time, messages.right_info);
 }
 
-/// Writes a bag; `fill` may add more.
+/// Writes a bag; `fill` may add messages.
 inline std::string writeRecording(
     const std::string& path, int frames, const std::function<void(rosbag::Bag&)>& fill = nullptr,
     rosbag::CompressionType compression = rosbag::compression::Uncompressed,
     cv::Size size = {96, 64}) {
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   bag.setCompression(compression);
-  bag.setChunkThreshold(20000);  // several chunks also in small bags
+  bag.setChunkThreshold(20000);  // several chunks even in small bags
   for (int frame = 0; frame < frames; ++frame) {
     writeFrame(bag, recordedFrame(frame, size));
   }
@@ -50,7 +50,7 @@ inline std::string writeRecording(
   return path;
 }
 
-/// Four frames, the third of which has images of different size.
+/// A bag with four frames; the images of the third have different sizes.
 inline std::string writeRecordingWithABadFrame(const std::string& path) {
   PairMessages bad = recordedFrame(2, {80, 64});
   bad.right_image = recordedFrame(2).right_image;
@@ -64,7 +64,7 @@ inline std::shared_ptr<const Forest> fixtureForest() {
   return std::make_shared<const Forest>(makeForestFixture());
 }
 
-/// What can be asked for with it: it has no second forest, which depth_sigma needs.
+/// Outputs available with the fixture forest. It has no second forest, which depth_sigma needs.
 inline std::vector<std::string> fixtureOutputs() {
   std::vector<std::string> names = offlineOutputNames();
   names.erase(std::remove(names.begin(), names.end(), "depth_sigma"), names.end());
@@ -81,7 +81,7 @@ inline ConversionOptions conversionOf(const std::string& input, const std::strin
   return options;
 }
 
-/// Topic, time and bytes of every message, as rosbag reads them.
+/// Topic, time and bytes of every message, read by rosbag.
 using Content = std::vector<std::tuple<std::string, double, std::string>>;
 
 inline Content messagesOf(const std::string& path) {

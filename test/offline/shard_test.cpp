@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using test::expectRefusal;
 
-/// Connections in the order in which they came into the bag, and messages in the order in which
-/// they were written, where they were recorded at one time.
+/// Connections in the order of their first message; messages with equal recording time in the order
+/// of writing.
 struct BagContent {
   std::vector<ros::M_string> headers;
   Content messages;
@@ -46,7 +46,8 @@ BagContent contentOf(const std::string& path) {
   return content;
 }
 
-/// Words of two publishers, one of which latches, at times before, of, between and behind frames.
+/// Messages of two publishers, one of them latched, before, at, between and after the times of
+/// frames.
 void writeWords(rosbag::Bag& bag) {
   for (int publisher = 0; publisher < 2; ++publisher) {
     const auto header = boost::make_shared<ros::M_string>(
@@ -75,7 +76,7 @@ class ShardTest : public testing::Test {
     options.output = shardFile(number, count);
     return convertBags(options, forest_, events);
   }
-  /// The last one first.
+  /// The last shard is processed first.
   std::vector<std::string> convertShards(std::size_t count) {
     std::vector<std::string> paths;
     for (std::size_t number = count; number > 0; --number) {
@@ -137,7 +138,7 @@ TEST_F(ShardTest, CompressionChangesNothing) {
   EXPECT_TRUE(contentOf(merged_) == whole);
 }
 
-/// Images that were recorded in another order than they were taken in.
+/// The recording order of the images differs from the order of their stamps.
 TEST_F(ShardTest, TogetherAreTheWholeOfAnUnsortedRecording) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   double recorded_s = 99.95;
@@ -158,7 +159,8 @@ TEST_F(ShardTest, TogetherAreTheWholeOfAnUnsortedRecording) {
   EXPECT_TRUE(contentOf(merged_) == whole);
 }
 
-/// Rows of the frames are shifted in turn, so the pair that the offset comes from counts.
+/// The rows are shifted differently from frame to frame, so the result shows which pair provides
+/// the offset.
 TEST_F(ShardTest, VerticalOffsetDoesNotDependOnTheShard) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   for (int index = 0; index < 6; ++index) {
@@ -278,7 +280,7 @@ TEST_F(ShardTest, MergeRefusesOtherSettingsAndRecordings) {
   changed.inputs = {writeRecording(folder_.file("other/in.bag"), 5)};
   refuses_second(changed);
 
-  changed.inputs = {writeRecording(folder_.file("other/in.bag"), 4)};  // on another machine, say
+  changed.inputs = {writeRecording(folder_.file("other/in.bag"), 4)};  // simulates another machine
   changed.shard = Shard{2, 2};
   changed.output = shardFile(2, 2);
   changed.earlier = EarlierParts::kOverwrite;
@@ -303,7 +305,7 @@ TEST_F(ShardTest, MergeRefusesWhatIsNoShardOrDamaged) {
   EXPECT_FALSE(fs::exists(merged_ + ".merge.writing"));
 }
 
-/// The program, as scripts/cluster runs it.
+/// Runs the program as scripts/cluster does.
 TEST_F(ShardTest, ProgramsOfFourShardsDoTheWorkOfOne) {
   writeForest(makeForestFixture(), folder_.file("fixture.forest"));
   writeRecording(input_, 10, writeWords);

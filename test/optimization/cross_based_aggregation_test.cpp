@@ -97,8 +97,8 @@ TEST_P(CostAggregation, EqualsNaiveMeansOverLongArms) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, CostAggregation, allCases());
 
-// The largest costs of which 16 bits hold the sums, and the smallest of which they do not; arms of
-// one pixel, of the defaults, and the longest ones.
+// The largest costs whose sums fit into 16 bits, and the smallest that do not; arms of one pixel,
+// of default length, and of maximum length.
 TEST(CostAggregation, IsExactWhereSumsNeed16Bits) {
   for (const auto& [arm, max_cost] :
        {std::pair(1, 16383), {5, 8665}, {5, 8666}, {7, 4660}, {7, 4661}}) {
@@ -107,7 +107,7 @@ TEST(CostAggregation, IsExactWhereSumsNeed16Bits) {
   }
 }
 
-// Means close to halves, of large costs and over large regions, where rounding is tightest.
+// Means close to halves, for large costs and large regions, where rounding is most difficult.
 TEST(CostAggregation, RoundsHalvesUp) {
   for (const int max_cost : {4660, 4659, 9, 1}) {
     const Shape shape{15, 400, {0, 1}};
@@ -125,7 +125,7 @@ TEST(CostAggregation, RoundsHalvesUp) {
   }
 }
 
-// Up to 509² pixels, whose sum just fits 32 bits.
+// Up to 509² pixels, whose sum just fits into 32 bits.
 TEST(CostAggregation, IsExactForTheLargestRegions) {
   const Shape shape{509, 509, {0, 1}};
   cv::Mat flat_arms;

@@ -9,7 +9,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Square root of the mean squared distance to the mean.
+/// Standard deviation: root of the mean squared distance to the mean.
 double naiveDeviation(const cv::Mat& grey) {
   double mean = 0;
   for (const auto value : cv::Mat_<std::uint8_t>(grey)) {

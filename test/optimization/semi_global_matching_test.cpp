@@ -15,7 +15,7 @@
 namespace cbmv::test {
 namespace {
 
-/// L_r of all hypotheses along one direction, straight from the formula.
+/// L_r of all hypotheses along one direction, directly from the formula.
 class NaivePaths {
  public:
   NaivePaths(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
@@ -168,7 +168,7 @@ TEST_P(SemiGlobalMatching, EqualsNaiveOneAtTheBoundOfCosts) {
   expectNaiveMeans(shape, view, content, options, 16383 - 32 * 255, 0.0F, 255.5F);
 }
 
-/// Rises and falls of all sizes, with holes.
+/// Slopes of all sizes, with holes.
 cv::Mat makeSurface(const Shape& shape, Content content) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> steps(-3, 3);
@@ -190,7 +190,7 @@ TEST_P(SemiGlobalMatching, EqualsNaiveOneAlongSurfaces) {
 }
 
 TEST(SemiGlobalMatching, FollowsASlantedSurfaceForNothing) {
-  // Without texture inside, between two columns that know their disparity.
+  // Textureless between two columns with a clear disparity.
   const Shape shape{5, 31, {0, 32}};
   MatchingVolume costs(shape.height, shape.width, shape.range.count);
   cv::Mat surface(shape.size(), CV_16SC1);
@@ -281,7 +281,7 @@ TEST(SgmCostBound, AddsP2PerRun) {
   EXPECT_GT(sgmCostBound(options), 16383);
 }
 
-// The bound is about the results: no run adds more than P2.
+// The bound is about the results: no iteration adds more than P2.
 TEST(SgmCostBound, HoldsOverTwoRuns) {
   const Shape shape{20, 30, {0, 9}};
   const EdgeImages images{makeGrey(shape.size(), Content::kNoise, 1),

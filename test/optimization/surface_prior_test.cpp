@@ -15,7 +15,7 @@ namespace {
 constexpr float kInvalid = -1.0F;
 constexpr float kReachPx = 40.0F;
 
-/// A disparity map of half the size of `size`, by coarse coordinates.
+/// A disparity map of half the size of `size`, as a function of coarse coordinates.
 cv::Mat makeCoarse(const cv::Size& size, const std::function<double(int, int)>& disparity) {
   cv::Mat coarse(size.height / 2, size.width / 2, CV_32FC1);
   for (int y = 0; y < coarse.rows; ++y) {
@@ -32,7 +32,7 @@ cv::Mat surfaceOf(const cv::Mat& coarse, const cv::Size& size, float reach_px = 
   return surface;
 }
 
-/// The exact surface of a plane in coarse coordinates, at pixel (x, y) of the whole size.
+/// A plane in coarse coordinates, evaluated at pixel (x, y) of full size.
 double planeAt(double slope_x, double slope_y, double offset, int x, int y) {
   return 2 * (offset + slope_x * 0.5 * (x - 0.5) + slope_y * 0.5 * (y - 0.5));
 }
@@ -54,7 +54,7 @@ TEST(SurfacePrior, FindsPlanesOfAllSizes) {
   for (const cv::Size size : {cv::Size(2, 2), cv::Size(9, 14), cv::Size(31, 2), cv::Size(2, 31),
                               cv::Size(160, 121), cv::Size(1201, 80)}) {
     const cv::Mat coarse = makeCoarse(size, [](int x, int y) { return 40 + 0.11 * x - 0.07 * y; });
-    // Beyond the last pixel that has a disparity, the ridge bends the planes of few pixels.
+    // Outside the valid pixels, the regularization changes planes that are supported by few pixels.
     expectPlane(surfaceOf(coarse, size), size, 0.11, -0.07, 40, 0.15);
   }
 }
@@ -81,7 +81,8 @@ TEST(SurfacePrior, FindsNoneInNoiseOrNothing) {
   EXPECT_EQ(cv::countNonZero(none != kNoSurface), 0);
 }
 
-/// Two planes with a step: both are found away from the step, and nothing in between is invented.
+/// Two planes with a depth edge: both are found away from the edge, and no other surface in
+/// between.
 TEST(SurfacePrior, KeepsBothSidesOfAStep) {
   const cv::Size size(400, 200);
   const auto plane = [](bool left, double x, double y) {
@@ -120,8 +121,8 @@ TEST(SurfacePrior, DependsNeitherOnThreadsNorOnEarlierMaps) {
   EXPECT_EQ(cv::norm(first, again, cv::NORM_INF), 0);
 }
 
-/// A sum over all pixels, straight from the weights that the recursive filters stand for, gives the
-/// first plane of a cell; with residuals within a pixel, the others are of the same kind.
+/// Computes the first plane of a cell as a sum over all pixels, with weights equivalent to the
+/// recursive filters. With residuals within a pixel, the other planes are of the same kind.
 class NaivePlanes {
  public:
   NaivePlanes(const cv::Mat& coarse, double reach_px)
@@ -142,7 +143,7 @@ class NaivePlanes {
   }
 
  private:
-  /// Two runs, each to and fro, of y[i] = a y[i−1] + (1 − a) x[i] that begins with y[0] = x[0].
+  /// Two forward and backward passes of y[i] = a y[i−1] + (1 − a) x[i], starting with y[0] = x[0].
   static cv::Mat kernel(int cells, double reach_cells) {
     const double a = std::exp(-2.0 / reach_cells);
     cv::Mat forth = cv::Mat::zeros(cells, cells, CV_64FC1);
@@ -163,7 +164,7 @@ class NaivePlanes {
 };
 
 TEST(SurfacePrior, WeighsByDistance) {
-  // Nearly a plane: robust weights are nearly 1 all along, so that plain least squares must agree.
+  // Nearly a plane: robust weights are close to 1, so plain least squares must agree.
   const cv::Size size(120, 96);
   const cv::Mat coarse = makeCoarse(
       size, [](int x, int y) { return 30 + 0.1 * x + 0.05 * y + 0.0004 * (x - 30) * (x - 30); });
@@ -183,7 +184,8 @@ TEST(SurfacePrior, WeighsByDistance) {
           planes.sum(row, column, [&](double x, double y, double d) { return term(i, x, y) * d; });
     }
     const cv::Vec3d plane = a.solve(b, cv::DECOMP_SVD);
-    const int x = 8 * column + 4;  // near the centre of the cell, where its own plane counts most
+    const int x =
+        8 * column + 4;  // near the center of the cell, where its own plane has the largest weight
     const int y = 8 * row + 4;
     EXPECT_NEAR(surface.at<std::int16_t>(y, x), planeAt(plane[1], plane[2], plane[0], x, y), 0.75);
   }

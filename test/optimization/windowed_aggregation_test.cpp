@@ -75,7 +75,7 @@ SearchSpace makeExhaustiveSpace(const Shape& shape) {
   return space;
 }
 
-/// Calls f(y, x, i, number of the hypothesis) for every hypothesis inside the image.
+/// Calls f(y, x, i, index of the hypothesis) for every hypothesis inside the image.
 template <typename F>
 void forHypotheses(const SearchSpace& space, const F& f) {
   for (int y = 0; y < space.height(); ++y) {
@@ -88,7 +88,7 @@ void forHypotheses(const SearchSpace& space, const F& f) {
   }
 }
 
-/// Columns beyond the image hold the largest value of the type.
+/// Columns outside the image have the largest value of the type.
 template <typename Cost>
 void toWindows(const OptimizedVolume& costs, const SearchSpace& space,
                WindowedVolume<Cost>& windows) {
@@ -173,7 +173,7 @@ TEST_P(WindowedAggregation, EqualsNaiveMeansOverLongArms) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, WindowedAggregation, allCases());
 
-// Several blocks beside each other, and several on top of each other.
+// Several blocks horizontally and vertically.
 TEST(WindowedAggregation, EqualsNaiveMeansInManyBlocks) {
   for (const Shape& shape : {Shape{9, 700, {-3, 21}}, Shape{14, 75, {-40, 300}}}) {
     for (const SearchSpace& space :
@@ -200,8 +200,8 @@ TEST(WindowedAggregation, EndsArmsAtGaps) {
   expectNaiveMeans(space, View::kRight, Content::kNoise, 8, 300.0F, 255);
 }
 
-// The largest costs of which 16 bits hold the sums, and the smallest of which they do not; arms of
-// one pixel, of the defaults, and the longest ones.
+// The largest costs whose sums fit into 16 bits, and the smallest that do not; arms of one pixel,
+// of default length, and of maximum length.
 TEST(WindowedAggregation, IsExactWhereSumsNeed16Bits) {
   for (const auto& [arm, max_cost] :
        {std::pair(1, 16383), {5, 10922}, {5, 10923}, {7, 8191}, {7, 8192}}) {
@@ -212,7 +212,7 @@ TEST(WindowedAggregation, IsExactWhereSumsNeed16Bits) {
   }
 }
 
-// Means close to halves, of large costs and over large regions, where rounding is tightest.
+// Means close to halves, for large costs and large regions, where rounding is most difficult.
 TEST(WindowedAggregation, RoundsHalvesUp) {
   const Shape shape{15, 400, {0, 1}};
   const SupportArms arms = makeArms(shape.size(), Content::kNoise, 8, 300.0F);
@@ -225,7 +225,7 @@ TEST(WindowedAggregation, RoundsHalvesUp) {
   }
 }
 
-// All of them the largest costs: sums as large as they can be.
+// All costs have the largest value, so the sums are as large as possible.
 TEST(WindowedAggregation, IsExactForTheLargestSums) {
   const Shape shape{31, 63, {0, 2}};
   OptimizedVolume costs(shape.height, shape.width, shape.range.count);

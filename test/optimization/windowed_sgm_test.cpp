@@ -21,7 +21,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Random costs up to `max_cost`, beyond the image any.
+/// Random costs up to `max_cost`; arbitrary values outside the image.
 template <typename Cost>
 WindowedVolume<Cost> makeWindowedCosts(const SearchSpace& space, int max_cost, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -42,7 +42,7 @@ WindowedVolume<Cost> makeWindowedCosts(const SearchSpace& space, int max_cost, s
   return costs;
 }
 
-/// Of a hypothesis; none if the tile does not have it.
+/// Entry of a hypothesis; none if the tile does not have it.
 std::optional<std::size_t> entryOf(const SearchSpace& space, int y, int x, int index) {
   const SearchSpace::Tile tile = space.tile(y, x / kTileColumns);
   const auto* end = tile.indices + tile.count;
@@ -64,7 +64,7 @@ void forEntries(const SearchSpace& space, const Visit& visit) {
   }
 }
 
-/// Rises and falls of all sizes, with holes.
+/// Slopes of all sizes, with holes.
 cv::Mat makeSurface(const cv::Size& size, Content content) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> steps(-3, 3);
@@ -87,7 +87,7 @@ struct Input {
   SgmOptions options;
 };
 
-/// L_r of all hypotheses along one direction, straight from the formula.
+/// L_r of all hypotheses along one direction, directly from the formula.
 class NaiveWindowedPaths {
  public:
   NaiveWindowedPaths(const SearchSpace& space, const WindowedOptimizedVolume& costs,
@@ -179,7 +179,7 @@ class NaiveWindowedPaths {
   WindowedOptimizedVolume paths_;
 };
 
-/// Compares the hypotheses of the image; stops at the first difference.
+/// Compares the hypotheses inside the image; stops at the first difference.
 void expectEqual(const SearchSpace& space, const WindowedOptimizedVolume& found,
                  const WindowedOptimizedVolume& expected) {
   ASSERT_EQ(found.entries(), expected.entries());

@@ -15,7 +15,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Random costs up to `max_cost`, beyond the image, too.
+/// Random costs up to `max_cost`, also outside the image.
 template <typename Cost>
 WindowedVolume<Cost> makeWindowedCosts(const SearchSpace& space, int max_cost, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -27,7 +27,7 @@ WindowedVolume<Cost> makeWindowedCosts(const SearchSpace& space, int max_cost, s
   return costs;
 }
 
-/// The cost of a hypothesis; null if the space does not have it or its match lies outside.
+/// The cost of a hypothesis; null if the space does not have it or its match is outside.
 template <typename Cost>
 const Cost* findCost(const SearchSpace& space, const WindowedVolume<Cost>& costs, int y, int x,
                      int d) {
@@ -116,7 +116,7 @@ void expectEqual(const cv::Mat& found, const cv::Mat& expected) {
   expectMap<Value>(found, expected.size(), [&](int y, int x) { return expected.at<Value>(y, x); });
 }
 
-/// Of the maps with and without sub-pixel enhancement.
+/// Compares the maps with and without subpixel refinement.
 void expectMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
                 const WindowedMatchingVolume& matching_costs, const Maps& expected) {
   onEverySimdTarget([&] {
@@ -142,7 +142,7 @@ TEST_P(WindowedWinnerMaps, EqualNaiveOnes) {
       space.buildExhaustive(shape.height, shape.width, shape.range);
     }
     const auto matching_costs = makeWindowedCosts<std::uint8_t>(space, 255, 6);
-    for (const int max_cost : {0, 1, 3, 255, 65535}) {  // small ones: many ties
+    for (const int max_cost : {0, 1, 3, 255, 65535}) {  // small ones cause many ties
       auto costs = makeWindowedCosts<std::uint16_t>(space, max_cost, 7);
       expectMaps(space, costs, matching_costs, makeNaiveMaps(space, costs, matching_costs));
       std::for_each(costs.entry(0), costs.entry(space.entries()),

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kNone = 1 << 20;
 
-/// A cost at every hypothesis of a space, with many ties; what lies outside is the lowest.
+/// A cost per hypothesis of a space, with many ties; costs outside are the lowest.
 template <typename Cost>
 WindowedVolume<Cost> randomCosts(const SearchSpace& space, std::uint32_t seed, int highest) {
   WindowedVolume<Cost> costs;
@@ -30,7 +30,7 @@ WindowedVolume<Cost> randomCosts(const SearchSpace& space, std::uint32_t seed, i
   return costs;
 }
 
-/// The cost of (x, i); kNone where it does not belong to the space or lies outside.
+/// The cost of (x, i); kNone if it is not in the space or is outside.
 template <typename Cost>
 int costAt(const SearchSpace& space, const WindowedVolume<Cost>& costs, View view, int y, int x,
            int i) {
@@ -48,7 +48,7 @@ int costAt(const SearchSpace& space, const WindowedVolume<Cost>& costs, View vie
                      static_cast<std::size_t>(found - tile.indices))[x % kTileColumns];
 }
 
-/// Index of the cheapest of the range; −1: none.
+/// Index of the lowest cost in the range; −1: none.
 template <typename CostOf>
 int cheapest(int count, const CostOf& cost_of) {
   int best = -1;
@@ -98,7 +98,7 @@ TEST(WindowedWinners, EqualPlainLoopsOnEveryInstructionSet) {
 
 TEST(WindowedWinners, AcrossEqualPlainLoopsOnEveryInstructionSet) {
   test::onEverySimdTarget([] {
-    PerThread<RightWinnersRow> scratch;  // keeps its memory
+    PerThread<RightWinnersRow> scratch;  // reused for all cases
     forSpaces([&](const SearchSpace& space) {
       const auto costs = randomCosts<std::uint16_t>(space, 4, 40);
       cv::Mat found;
@@ -114,7 +114,7 @@ TEST(WindowedWinners, AcrossEqualPlainLoopsOnEveryInstructionSet) {
 }
 
 TEST(WindowedRightView, EqualsPlainLoops) {
-  WindowedRightView view;  // keeps its memory
+  WindowedRightView view;  // reused for all cases
   SearchSpace right;
   WindowedMatchingVolume right_costs;
   forSpaces([&](const SearchSpace& left) {

@@ -29,7 +29,7 @@ class WinnerTakesAll : public testing::TestWithParam<Case> {};
 
 TEST_P(WinnerTakesAll, EqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
-  for (const int max_cost : {0, 3, 255, 65535}) {  // small ones: many ties
+  for (const int max_cost : {0, 3, 255, 65535}) {  // small ones cause many ties
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
     onEverySimdTarget([&, v = view, all = shape] {
       cv::Mat disparity;
@@ -60,7 +60,7 @@ std::uint16_t naiveMargin(const OptimizedVolume& costs, const DisparityRange& ra
 TEST_P(WinnerTakesAll, MarginEqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
   if (view == View::kRight) {
-    return;  // margins are of the left view only
+    return;  // margins exist for the left view only
   }
   for (const int max_cost : {0, 3, 255, 65535}) {
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
@@ -93,7 +93,7 @@ float naiveWinnerAcross(const OptimizedVolume& left_costs, const DisparityRange&
 TEST_P(WinnerTakesAll, AcrossEqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
   if (view == View::kRight) {
-    return;  // the costs are always of the left view
+    return;  // costs always belong to the left view
   }
   for (const int max_cost : {0, 3, 255, 65535}) {
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);

@@ -18,7 +18,7 @@ TEST(Points, DepthAndPlaceFollowTheFormula) {
   random.fill(color, cv::RNG::UNIFORM, 0, 256);
   const float invalid = -1;
   disparity(1, 2) = invalid;
-  disparity(3, 6) = -2;  // infinitely far
+  disparity(3, 6) = -2;  // at infinity
   disparity(0, 0) = 0;
 
   const cv::Mat valid = toValidDisparity(disparity, invalid, kRig.disparity_offset_px);
@@ -57,7 +57,7 @@ TEST(Points, DepthSigmaFollowsTheFormula) {
   const cv::Mat depth_sigma = toDepthSigma(disparity, sigma, kRig);
   ASSERT_EQ(depth_sigma.type(), CV_32FC1);
   ASSERT_EQ(depth_sigma.size(), disparity.size());
-  for (int i = 0; i < 2; ++i) {  // of a step in disparity, to first order
+  for (int i = 0; i < 2; ++i) {  // for a small change of disparity, to first order
     const double z = depth.at<float>(0, i);
     EXPECT_NEAR(depth_sigma.at<float>(0, i), z * z / (500 * 0.1) * sigma.at<float>(0, i), 1e-6 * z);
   }

@@ -1,5 +1,5 @@
-// What a matcher allocates on a stream of frames. The functions of malloc below take the place of
-// the C library's in the whole program: operator new, OpenCV and Eigen end in them.
+// Counts allocations of a matcher on a stream of frames. The malloc functions below replace those
+// of the C library in the whole program, including operator new, OpenCV and Eigen.
 
 #include <array>
 #include <atomic>
@@ -26,9 +26,9 @@
 
 namespace {
 
-/// Smaller blocks are not counted: oneTBB and OpenCV's calls take a few of them for themselves, up
-/// to some hundred bytes, and cv::Mat::setTo 1064 bytes. A row of an image, the smallest memory
-/// that the method works on, is larger.
+/// Smaller blocks are not counted: oneTBB and OpenCV allocate a few of them, up to some hundred
+/// bytes, and cv::Mat::setTo 1064 bytes. An image row, the smallest buffer of the method, is
+/// larger.
 constexpr std::size_t kLargeBytes = 1088;
 
 std::atomic<int> blocks{0};
@@ -49,8 +49,7 @@ void* counted(void* block) {
 
 extern "C" {
 
-// The C library's own functions.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+// The original functions of the C library:
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
 void* __libc_realloc(void* block, std::size_t bytes);
@@ -90,7 +89,7 @@ struct Pair {
 /// Every row is a large block, even of bytes.
 const cv::Size kSize(1100, 21);
 
-/// Pairs that have little in common.
+/// Pairs with different content.
 std::array<Pair, 3> makePairs(const cv::Size& size) {
   return {{{makeGrey(size, Content::kPatches, 1), makeGrey(size, Content::kPatches, 2)},
            {makeGrey(size, Content::kNoise, 3), makeGrey(size, Content::kPatches, 4)},
@@ -104,8 +103,8 @@ VerticalOffset someOffset() {
   return offset;
 }
 
-/// A preset and a forest, with a random second one; general trees stand for a random forest, which
-/// has none.
+/// A preset and a forest with a random second forest. General trees represent a random forest,
+/// which has no second forest.
 struct Setup {
   std::string preset;
   Forest forest;
@@ -128,12 +127,12 @@ std::unique_ptr<StereoMatcher> makeMatcher(const Setup& setup, int search_levels
   StereoOptions options;
   readPreset(CBMV_SOURCE_DIR "/config/" + setup.preset + ".yaml", options);
   options.search.levels = search_levels;
-  options.refinement.speckle_size_px = 20;  // no preset has it
+  options.refinement.speckle_size_px = 20;  // not set in any preset
   options.range = range;
   return std::make_unique<StereoMatcher>(std::make_shared<Forest>(setup.forest), options);
 }
 
-/// Large blocks that `run` allocates.
+/// Number of large blocks allocated by `run`.
 template <typename Run>
 int blocksOf(const Run& run) {
   const int before = large_blocks;
@@ -161,7 +160,7 @@ TEST_P(Allocations, AreNoneFromTheSecondFrameOn) {
   EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
 }
 
-/// Small blocks, too: one call in one thread takes nothing from oneTBB.
+/// Counts small blocks, too: a call on one thread allocates nothing in oneTBB.
 TEST(BilateralFilterAllocations, AreNoneFromTheSecondCallOn) {
   const cv::Mat disparity(kSize, CV_32FC1, cv::Scalar(7));
   cv::Mat padded;
@@ -176,7 +175,7 @@ TEST(BilateralFilterAllocations, AreNoneFromTheSecondCallOn) {
   });
 }
 
-/// Large enough for the surfaces to be found at half the size first.
+/// Large enough that surfaces are first found at half size.
 TEST(SurfaceAllocations, AreNoneFromTheSecondFrameOn) {
   const auto pairs = makePairs({1100, 128});
   const auto matcher = makeMatcher(allSetups().front());
@@ -192,8 +191,7 @@ TEST(SurfaceAllocations, AreNoneFromTheSecondFrameOn) {
   EXPECT_LT(bytes_in_use, in_use + 1024) << "nothing piles up";
 }
 
-/// The lists of a search differ from pair to pair: pairs that have been seen need nothing more, and
-/// nothing new is needed for one that is much the same.
+/// The lists of the search differ between pairs. Known pairs and similar pairs must not allocate.
 TEST_P(Allocations, OfASearchAreNoneForPairsLikeThoseBefore) {
   const auto pairs = makePairs({1100, 140});
   matcher_ = makeMatcher(GetParam(), 3);
@@ -211,7 +209,7 @@ TEST_P(Allocations, OfASearchAreNoneForPairsLikeThoseBefore) {
   EXPECT_LT(blocksOfFrame(alike), 5);
 }
 
-/// Live, the range changes seldom.
+/// With a live camera, the range changes rarely.
 TEST_P(Allocations, AreNoneWhileAnAutomaticRangeStays) {
   const auto pairs = makePairs({1100, 140});
   matcher_ = makeMatcher(GetParam(), 3, {0, 0});
@@ -234,8 +232,8 @@ TEST_P(Allocations, OfFreshResultsAreTheirMaps) {
   }
 }
 
-/// Matches smaller images between two frames: the results are those of a new matcher, and the
-/// frames after the change allocate nothing again.
+/// Matches smaller images between two frames. The results equal those of a new matcher, and later
+/// frames do not allocate.
 TEST_P(Allocations, StopAgainAfterAChangeOfSize) {
   const auto pairs = makePairs(kSize);
   const auto others = makePairs({97, 41});

@@ -34,7 +34,7 @@ bool equal(const cv::Mat& a, const cv::Mat& b) {
          (a.empty() || cv::norm(a, b, cv::NORM_INF) == 0);
 }
 
-/// One object for all shapes and settings, against a new StereoMatcher for each.
+/// Compares one object used for all shapes and settings with a new StereoMatcher for each.
 TEST(DisparityEstimator, GivesWhatTheMatcherGivesWhateverCameBefore) {
   const auto forest = std::make_shared<Forest>(makeForest(8, 5, 3));
   DisparityEstimator estimator;

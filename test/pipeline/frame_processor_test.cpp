@@ -82,7 +82,7 @@ TEST_F(Processor, TellsTheVerticalOffset) {
   EXPECT_EQ(frame.result.rectification.offset_px, frame.rectification.measurement.model.offset_px);
   EXPECT_GT(frame.rectification.age_s, 0);
   EXPECT_LT(frame.rectification.age_s, 60);
-  EXPECT_GT(frame.result.memory_mb, 0);  // of the lists of this pair
+  EXPECT_GT(frame.result.memory_mb, 0);  // lists of this pair
   EXPECT_LT(frame.result.memory_mb, requiredMemoryMb({251, 131}, options_));
 }
 
@@ -156,7 +156,7 @@ TEST_F(Processor, RejectsImagesThatAreNoPair) {
   EXPECT_TRUE(mentions(errorText([&] { processor_.prepare(input); }), {"right.png", "empty"}));
 }
 
-/// A pair by itself, a given offset and a stream that knows its offset give the same bits.
+/// A single pair, a given offset and a stream with a known offset give bit-identical results.
 TEST_F(Processor, SourcesOfTheOffsetAgree) {
   const PreparedPair pair = processor_.prepare(misalignedPair());
   const VerticalOffset estimated = processor_.estimateOffset(pair);
@@ -192,7 +192,7 @@ TEST_F(Processor, FindsARangeThatIsAutomatic) {
   EXPECT_FALSE(process(input).range_is_automatic);
 }
 
-/// A pair's own range does not depend on earlier pairs; a followed one does.
+/// The range found in a pair does not depend on earlier pairs; a followed range does.
 TEST_F(Processor, TakesTheRangeFromItsSource) {
   options_.range.count = 0;
   processor_.setOptions(options_);
@@ -207,7 +207,7 @@ TEST_F(Processor, TakesTheRangeFromItsSource) {
   EXPECT_EQ(processor_.match(pair, offset_).result.range, found);
 }
 
-/// As node and bags expect it of input that cannot be used.
+/// The error that node and bag processing expect for unusable input.
 TEST_F(Processor, NamesTheImageWhoseSearchNeedsTooMuchMemory) {
   options_.search.levels = 2;
   options_.range.count = 120;

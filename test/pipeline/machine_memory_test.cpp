@@ -48,7 +48,7 @@ TEST_F(GroupLimit, OfTheFirstVersion) {
   EXPECT_EQ(limitOf("4:cpu:/docker/a\n"), kNoLimit);
 }
 
-/// A container sees its own group as the root, but may be told the host's name of it.
+/// A container sees its own group as the root, but may have the host's name of it.
 TEST_F(GroupLimit, IsAtTheRootInContainers) {
   allow(".", "memory.max", "1000\n");
   allow("memory", "memory.limit_in_bytes", "500\n");

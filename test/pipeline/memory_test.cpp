@@ -22,7 +22,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Memory of this process in MB, by its name in /proc/self/status.
+/// A memory value of this process in MB, by its name in /proc/self/status.
 double memoryMb(const std::string& name) {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -33,7 +33,7 @@ double memoryMb(const std::string& name) {
   return kilobytes / 1024;
 }
 
-/// From now on, the peak is of now.
+/// Restarts the measurement of peak memory.
 bool resetPeak() {
   std::ofstream references("/proc/self/clear_refs");
   references << 5 << std::flush;
@@ -61,19 +61,19 @@ struct Pair {
   cv::Mat right;
 };
 
-/// The peak of a new matcher in MB, and that which it tells.
+/// Measured and estimated peak memory of a new matcher, MB.
 struct Memory {
   double measured = 0;
   double told = 0;
 };
 
 Memory measureMemory(const Example& example, const Pair& pair) {
-  mallopt(M_MMAP_THRESHOLD, 1 << 16);  // what is freed goes back to the system at once
+  mallopt(M_MMAP_THRESHOLD, 1 << 16);  // returns freed memory to the system immediately
   const StereoOptions options = optionsOf(example);
   const auto forest =
       std::make_shared<Forest>(readForest(CBMV_SOURCE_DIR "/models/" + example.forest + ".forest"));
   addSecondForest(1, *forest);
-  // Loads the program's pages and starts the threads.
+  // Loads the pages of the program and starts the threads.
   const cv::Rect small(0, 0, 60, 40);
   StereoMatcher(forest, options).match(pair.left(small), pair.right(small));
   malloc_trim(0);
@@ -92,7 +92,7 @@ Memory measureMemory(const Example& example, const Pair& pair) {
 
 class RequiredMemory : public testing::TestWithParam<Example> {};
 
-/// More than estimated would break the bound, much less would refuse what is possible.
+/// An estimate that is too low breaks the limit; one that is too high rejects possible images.
 TEST_P(RequiredMemory, IsTheMeasuredPeak) {
   const Example& example = GetParam();
   const Memory memory = measureMemory(example, {makeGrey(example.size, Content::kPatches, 1),
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, RequiredMemory,
 
 class SearchMemory : public testing::TestWithParam<Example> {};
 
-/// Of the lists of the pair; what is expected of all pairs is more.
+/// Estimate for the lists of this pair; the estimate for all pairs is higher.
 TEST_P(SearchMemory, IsTheMeasuredPeak) {
   const Example& example = GetParam();
   const RenderedScene scene = renderScene(example.size.width, example.size.height, 3);
@@ -178,7 +178,7 @@ TEST(SearchMemoryMb, GrowsLittleWithTheRange) {
   EXPECT_LT(requiredMemoryMb({1242, 375}, options), 1.25 * narrow);
 }
 
-/// Of a search, at the full size only.
+/// At full size only.
 TEST(RequiredMemoryMb, OfTheSecondForestIsOfPixels) {
   StereoOptions options;
   options.threads = 1;

@@ -1,4 +1,4 @@
-// docs/parameters.md says what the code does.
+// Compares docs/parameters.md with the code.
 
 #include <sstream>
 

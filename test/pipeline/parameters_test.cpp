@@ -41,7 +41,7 @@ TEST(Parameters, HaveUniqueNamesAndDefaultsInsideOfTheirRanges) {
   }
 }
 
-/// Most are kept as float, which 0.01, say, is a little below of.
+/// Most values are stored as float, which is slightly below 0.01, for example.
 TEST(Parameters, TakeTheirLimitsBack) {
   for (const Parameter& parameter : stereoParameters()) {
     for (const double limit : {parameter.lowest, parameter.highest}) {
@@ -54,7 +54,7 @@ TEST(Parameters, TakeTheirLimitsBack) {
   }
 }
 
-/// Each parameter has a field of its own: setting it changes what it gets and nothing else.
+/// Each parameter has its own field: setting it changes this parameter and no other.
 TEST(Parameters, SetTheirOwnField) {
   const std::vector<Parameter> parameters = stereoParameters();
   for (const Parameter& parameter : parameters) {

@@ -37,7 +37,7 @@ TEST_F(NamedFilesTest, MayLieHereWithAnyEnding) {
   files_.write("mine.yml", "");
   files_.write("fast", "");
   EXPECT_EQ(presetPath("mine.yml", folder_), "mine.yml");
-  EXPECT_EQ(presetPath("fast", folder_), folder_ + "fast.yaml");  // names come first
+  EXPECT_EQ(presetPath("fast", folder_), folder_ + "fast.yaml");  // names have priority
   std::filesystem::current_path(before);
 }
 

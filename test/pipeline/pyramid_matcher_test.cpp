@@ -27,7 +27,7 @@ StereoOptions optionsOf(const char* preset, int disparities, int levels) {
   return options;
 }
 
-/// With the whole range in every tile, each windowed stage gives what the dense one gives.
+/// With the whole range in every tile, each windowed stage gives the same result as the dense one.
 TEST(WindowedEstimator, AnExhaustiveSpaceGivesTheDenseResult) {
   const RenderedScene scene = renderScene(150, 90, 4);
   const ForestEvaluator evaluator(kForest);
@@ -106,7 +106,7 @@ TEST(PyramidMatcher, SmallImagesHaveFewerLevels) {
   EXPECT_EQ(searchLevels({640, 480}, options), 0);
 }
 
-/// Of sizes and ranges that leave next to nothing at the coarse levels.
+/// Sizes and ranges that leave almost nothing at the coarse levels.
 TEST(PyramidMatcher, TakesAwkwardSizesAndRanges) {
   for (const cv::Size size : {cv::Size(65, 67), cv::Size(131, 66), cv::Size(97, 129)}) {
     const RenderedScene scene = renderScene(size.width, size.height, 1);

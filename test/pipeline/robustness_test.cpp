@@ -1,6 +1,6 @@
-// What the whole matcher promises for any images: maps of the right size, values of the range or
-// the invalid one, and the same result whatever came before, however many threads, and whatever the
-// memory held. scripts/test --sanitize memcheck runs it under valgrind, too.
+// Guarantees of the matcher for arbitrary images: maps have the right size, values are in the range
+// or invalid, and the result does not depend on earlier frames, the number of threads or the
+// content of memory. scripts/test --sanitize memcheck also runs this test, under valgrind.
 
 #include <cmath>
 #include <cstdint>
@@ -25,13 +25,13 @@
 namespace cbmv::test {
 namespace {
 
-/// Fills what malloc hands out and what free takes back with a pattern, so that a result which
-/// depends on memory that nobody has written changes with it. Large blocks come zeroed from the
-/// system else, which hides such reads.
+/// Fills memory from malloc and memory passed to free with a pattern, so that results that depend
+/// on uninitialized memory change with the pattern. Otherwise large blocks come zeroed from the
+/// system, which hides such reads.
 class PoisonedHeap {
  public:
   explicit PoisonedHeap(int pattern) {
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that there is: all blocks are reused
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the maximum, so that all blocks are reused
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_PERTURB, pattern);
   }
@@ -91,7 +91,7 @@ std::shared_ptr<const Forest> shippedForest() {
   return std::make_shared<Forest>(readForest(CBMV_SOURCE_DIR "/models/middlebury.forest"));
 }
 
-/// Disparities of the range or the invalid value, confidences in [0, 1], labels that there are.
+/// Expects disparities in the range or invalid, confidences in [0, 1] and valid labels.
 void expectDocumentedContent(const StereoResult& result, const cv::Size& size,
                              const DisparityRange& range) {
   ASSERT_EQ(result.disparity.size(), size);
@@ -133,8 +133,8 @@ struct Geometry {
   DisparityRange range;
 };
 
-/// Single pixels, rows and columns; ranges wider than the image, beside it and below zero; sizes at
-/// which surfaces are looked for.
+/// Single pixels, rows and columns; ranges wider than the image, outside it and below zero; sizes
+/// for which surfaces are computed.
 const std::vector<Geometry> kGeometries = {
     {{1, 1}, {0, 64}},    {{64, 1}, {0, 16}},   {{1, 64}, {0, 16}},
     {{7, 40}, {0, 64}},   {{33, 9}, {100, 16}}, {{33, 9}, {-2048, 3}},
@@ -153,7 +153,7 @@ TEST(Robustness, AnyImagesGiveTheDocumentedContent) {
   }
 }
 
-/// Wider than any camera, and than 16-bit differences of squares would allow.
+/// Wider than any camera, and too wide for 16-bit differences of squares.
 TEST(Robustness, AStripMayBe8192Wide) {
   const DisparityRange range{0, 20};
   StereoMatcher matcher(obliviousForest(), optionsFor(range, 2));
@@ -165,7 +165,7 @@ TEST(Robustness, AStripMayBe8192Wide) {
   }
 }
 
-/// Each setting of the extremes of every parameter, one at a time.
+/// Sets each parameter to its extremes, one at a time.
 TEST(Robustness, ExtremeParametersGiveTheDocumentedContent) {
   const cv::Size size(67, 41);
   const DisparityRange range{-2, 19};
@@ -194,7 +194,7 @@ TEST(Robustness, ExtremeParametersGiveTheDocumentedContent) {
   }
 }
 
-/// The results of all pairs, one after the other, by a new matcher in a heap full of `pattern`.
+/// The results of all pairs in order, with a new matcher and a heap filled with `pattern`.
 std::vector<StereoResult> resultsIn(int pattern, int threads, const std::vector<Pair>& pairs,
                                     const DisparityRange& range) {
   const PoisonedHeap heap(pattern);
@@ -207,7 +207,7 @@ std::vector<StereoResult> resultsIn(int pattern, int threads, const std::vector<
   return results;
 }
 
-/// Pairs of all sizes in turn, so that every buffer shrinks and grows on the way.
+/// Pairs of all sizes, so that every buffer shrinks and grows.
 std::vector<Pair> mixedPairs() {
   std::vector<Pair> pairs;
   for (const cv::Size size :
@@ -224,12 +224,12 @@ TEST(Robustness, BitsDoNotDependOnRunsThreadsEarlierFramesNorOldMemory) {
   const DisparityRange range{-3, 22};
   const std::vector<Pair> pairs = mixedPairs();
   std::vector<StereoResult> expected;
-  for (const Pair& pair : pairs) {  // each by a matcher of its own
+  for (const Pair& pair : pairs) {  // each with a new matcher
     StereoMatcher matcher(obliviousForest(), optionsFor(range, 1));
     expected.push_back(matcher.match(pair.left, pair.right));
   }
-  // malloc fills with the complement, free with the pattern: as float small, huge, negative huge,
-  // zero and not a number.
+  // malloc fills with the complement, free with the pattern. As float these are small, huge,
+  // negative huge, zero and NaN.
   for (const auto& [pattern, threads] :
        {std::pair{0x32, 1}, std::pair{0x80, 2}, std::pair{0x01, 3}, std::pair{0xff, 7}}) {
     const std::vector<StereoResult> results = resultsIn(pattern, threads, pairs, range);
@@ -241,7 +241,7 @@ TEST(Robustness, BitsDoNotDependOnRunsThreadsEarlierFramesNorOldMemory) {
   }
 }
 
-/// The pattern is there: else the test above could not fail.
+/// Checks that the pattern is used. Otherwise the test above could not fail.
 TEST(Robustness, HeapIsPoisoned) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizers bring their own malloc, with patterns of their own";

@@ -68,7 +68,7 @@ TEST(StereoMatcher, FindsARenderedScene) {
   EXPECT_LT(visible.average_px, 0.3);
   EXPECT_LT(all.bad_1, 6.0);
   EXPECT_EQ(all.density, 100.0) << "every pixel gets a disparity, the left border too";
-  // A confidence that tells right from wrong: the least confident tenth holds most errors.
+  // The confidence separates right from wrong: the least confident tenth contains most errors.
   const cv::Mat wrong = cv::abs(result.disparity - scene.truth) > 1;
   EXPECT_LT(cv::mean(result.confidence, wrong)[0], 0.7 * cv::mean(result.confidence, ~wrong)[0]);
 }
@@ -90,7 +90,7 @@ TEST(StereoMatcher, RemovesAVerticalOffset) {
   EXPECT_LT(bad_1(true), 3.0);
 }
 
-/// The same scene with the right image moved: all disparities move with it.
+/// The same scene with a shifted right image, which shifts all disparities.
 TEST(StereoMatcher, TakesNegativeDisparities) {
   const RenderedScene scene = renderScene(200, 90, 3);
   constexpr int kShift = 20;
@@ -161,7 +161,7 @@ TEST(StereoMatcher, DoesNotDependOnThreadsNorOnEarlierFrames) {
   }
 }
 
-/// Every setting of optimization and refinement reaches its stage: changed alone, it changes the
+/// Every setting of optimization and refinement has an effect: changed alone, it changes the
 /// disparities of a noisy scene.
 TEST(StereoMatcher, EverySettingHasAnEffect) {
   RenderOptions noisy;
@@ -170,7 +170,7 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
   StereoOptions options = optionsFor({0, 32});
   options.aggregation.iterations_before = 1;
   options.aggregation.intensity_threshold = 0.4F;  // above the noise
-  options.refinement.speckle_range_px = 0;         // slopes divide regions
+  options.refinement.speckle_range_px = 0;         // slopes split regions
   const auto disparity_with = [&](const std::string& name, const ParameterValue& value) {
     StereoOptions changed = options;
     findParameter(name).set(changed, value);
@@ -217,7 +217,7 @@ std::shared_ptr<const Forest> judgingForest() {
   return forest;
 }
 
-/// The second forest has the last word on disparities and confidences.
+/// The second forest determines the final disparities and confidences.
 TEST(StereoMatcher, JudgesItsMaps) {
   const RenderedScene scene = renderScene(150, 80, 7);
   for (const bool fill : {true, false}) {
@@ -315,8 +315,8 @@ TEST(StereoMatcher, RefusesInconsistentOptionsAndKeepsTheOld) {
   EXPECT_EQ(matcher.options().sgm.p1, StereoOptions().sgm.p1);
 }
 
-/// Middlebury's Motorcycle by a forest that saw neither Motorcycle nor MotorcycleE. CBMV_DATA names
-/// the folder that holds middlebury_eval3_Q.
+/// Middlebury's Motorcycle with a forest that was trained on neither Motorcycle nor MotorcycleE.
+/// CBMV_DATA is the folder with middlebury_eval3_Q.
 TEST(StereoMatcher, FindsMotorcycle) {
   const char* data = std::getenv("CBMV_DATA");
   if (data == nullptr) {

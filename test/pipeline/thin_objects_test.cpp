@@ -14,8 +14,8 @@
 namespace cbmv {
 namespace {
 
-/// What the coarse levels do not see, with the forest that goes with the preset: at every width,
-/// the mean over several depths.
+/// Objects that the coarse levels do not see, with the preset's forest. Checks every width; mean
+/// over several depths.
 TEST(ThinObjects, AreFoundAsByTheExhaustiveSearch) {
   const auto forest =
       std::make_shared<const Forest>(readForest(CBMV_SOURCE_DIR "/models/middlebury_small.forest"));

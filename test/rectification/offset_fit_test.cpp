@@ -10,7 +10,7 @@ namespace cbmv {
 namespace {
 
 const cv::Size kSize(321, 241);
-constexpr double kBiasPx = 0.015;  // of the header, at the border of the image
+constexpr double kBiasPx = 0.015;  // from the header, at the image border
 
 struct Truth {
   double offset = 0.7;
@@ -28,8 +28,8 @@ struct Truth {
   }
 };
 
-/// Matches all over the image whose dy has normally distributed errors; `wrong` of them are
-/// anywhere within 4 px.
+/// Matches all over the image. dy has normally distributed errors; `wrong` matches are anywhere
+/// within 4 px.
 std::vector<SparseMatch> drawMatches(int count, int wrong, double sigma_px, cv::RNG& random) {
   std::vector<SparseMatch> matches;
   for (int i = 0; i < count; ++i) {
@@ -42,8 +42,7 @@ std::vector<SparseMatch> drawMatches(int count, int wrong, double sigma_px, cv::
   return matches;
 }
 
-/// Errors of the parameters (at the border of the image) and what the fit says of them,
-/// in px.
+/// Errors of the parameters (at the image border) and the standard deviations of the fit, in px.
 struct Errors {
   std::array<double, VerticalOffset::kParameters> error;
   std::array<double, VerticalOffset::kParameters> sigma;
@@ -64,7 +63,8 @@ Errors errorsOf(const VerticalOffset& model) {
            half_height * half_height * model.curvature_y_sigma}};
 }
 
-/// Monte Carlo: the errors scatter as the fit says, and 3 standard deviations hold nearly all.
+/// Monte Carlo test: the errors have the standard deviation stated by the fit, and nearly all are
+/// within 3 standard deviations.
 void expectHonestSigmas(int count, int wrong, double sigma_px) {
   constexpr int trials = 400;
   cv::RNG random(7);
@@ -81,7 +81,7 @@ void expectHonestSigmas(int count, int wrong, double sigma_px) {
     }
   }
   for (int i = 0; i < VerticalOffset::kParameters;
-       ++i) {  // a standard deviation from 400 errors is known to 3.5 %
+       ++i) {  // 400 errors determine a standard deviation to 3.5 %
     EXPECT_NEAR(std::sqrt(stated[i] / squares[i]), 1.0, 0.12) << "parameter " << i;
   }
   EXPECT_LE(outside, trials * VerticalOffset::kParameters / 100);
@@ -105,7 +105,7 @@ TEST(FitVerticalOffset, PerfectMatchesGiveTheModel) {
   cv::RNG random(1);
   const auto measurement = fitVerticalOffset(drawMatches(60, 10, 0.0, random), kSize);
   for (const double error : errorsOf(measurement.model).error) {
-    EXPECT_NEAR(error, 0.0, 1e-4);  // small slopes are likelier than large ones
+    EXPECT_NEAR(error, 0.0, 1e-4);  // small slopes are more likely than large ones
   }
   EXPECT_EQ(measurement.model.matches, 50);
   EXPECT_NEAR(measurement.rms_after_px, 0.0, 1e-4);

@@ -29,7 +29,7 @@ RenderedScene sceneWithOffset(double offset, int width = 251) {
   return renderScene(width, 187, 1, options);
 }
 
-/// Feeds one pair at one time until `is_done(model)`; gives up after a minute.
+/// Passes one pair at a time until `is_done(model)`; gives up after a minute.
 template <typename IsDone>
 VerticalOffset updateUntil(RectificationTracker& tracker, const RenderedScene& scene, double now_s,
                            IsDone is_done) {
@@ -193,7 +193,7 @@ TEST(RectificationTracker, ServesSeveralThreads) {
     thread.join();
   }
   EXPECT_EQ(wrong, 0);
-  // The last reset leaves a tracker that works.
+  // The tracker still works after the last reset.
   tracker.reset();
   tracker.waitForEstimate();
   tracker.update(scene.left, scene.right, kRange, 0.0);
@@ -201,7 +201,7 @@ TEST(RectificationTracker, ServesSeveralThreads) {
   EXPECT_NEAR(tracker.update(scene.left, scene.right, kRange, 0.0).offset_px, 0.8, 0.05);
 }
 
-/// mallinfo counts in an int, and is deprecated where there is mallinfo2.
+/// Uses mallinfo2 if available. mallinfo counts in int and is deprecated then.
 std::size_t allocatedBytes() {
 #if __GLIBC_PREREQ(2, 33)
   return mallinfo2().uordblks;
@@ -210,7 +210,7 @@ std::size_t allocatedBytes() {
 #endif
 }
 
-/// The least of a while, in which the worker gives the last pair back.
+/// The minimum over some time, in which the worker releases the last pair.
 std::size_t bytesInUse() {
   std::size_t least = allocatedBytes();
   for (int i = 0; i < 250; ++i) {
@@ -220,7 +220,7 @@ std::size_t bytesInUse() {
   return least;
 }
 
-/// OpenCV keeps memory of each thread that it was ever called from.
+/// OpenCV keeps memory per thread that called it.
 TEST(RectificationTracker, KeepsNoMemoryOfEarlierEstimates) {
   const RenderedScene scene = sceneWithOffset(0.8);
   RectificationOptions options;
@@ -240,7 +240,7 @@ TEST(RectificationTracker, KeepsNoMemoryOfEarlierEstimates) {
   EXPECT_LT(bytesInUse(), before + 20000);
 }
 
-/// Leaves the hard limit as it is, which few may raise again.
+/// Does not change the hard limit, which cannot be raised again without privileges.
 void setAddressSpace(rlim_t most) {
   rlimit limits{};
   getrlimit(RLIMIT_AS, &limits);
@@ -250,7 +250,7 @@ void setAddressSpace(rlim_t most) {
   }
 }
 
-/// Lets this process have `more_mb` of address space besides what it has.
+/// Limits the address space of this process to its current size plus `more_mb`.
 void limitAddressSpace(double more_mb) {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -258,9 +258,9 @@ void limitAddressSpace(double more_mb) {
   setAddressSpace(pages * static_cast<rlim_t>(sysconf(_SC_PAGE_SIZE)) + more);
 }
 
-/// Where there is no room for the stack of a thread, the stream goes on; estimates come later.
+/// Without memory for the stack of a thread, the stream continues and estimates come later.
 TEST(RectificationTrackerDeathTest, NeedsNoThreadToGoOn) {
-  testing::GTEST_FLAG(death_test_style) = "threadsafe";  // no stacks of threads that have gone
+  testing::GTEST_FLAG(death_test_style) = "threadsafe";  // no stacks of finished threads
   const auto run = [] {
     const RenderedScene scene = sceneWithOffset(0.8);
     RectificationTracker tracker({});

@@ -26,8 +26,8 @@ double offsetOf(const RenderOptions& options, double x, double y, const cv::Size
          options.vertical_curvature_y * v * v;
 }
 
-/// Largest difference between the model and what was rendered, at the corners and in the middle of
-/// the sides.
+/// Largest difference between the model and the rendered offset, at the corners and in the middle
+/// of the sides.
 double largestError(const VerticalOffset& model, const RenderOptions& options,
                     const cv::Size& size) {
   double largest = 0.0;
@@ -108,7 +108,7 @@ TEST(EstimateVerticalOffset, RecoversEveryTermOfTheModel) {
   }
 }
 
-/// Parameters in px: offset, and the others at the border of the image.
+/// Parameters in px: the offset, and the others at the image border.
 TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
   const cv::Size size(351, 263);
   int seed = 10;
@@ -125,7 +125,7 @@ TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
       EXPECT_NEAR(model.twist, twist, 3.0 * model.twist_sigma);
       EXPECT_NEAR(model.curvature_x, -twist, 3.0 * model.curvature_x_sigma);
       EXPECT_NEAR(model.curvature_y, twist, 3.0 * model.curvature_y_sigma);
-      EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a bound that says something
+      EXPECT_LT(3.0 * model.offset_sigma_px, 0.1);  // a meaningful limit
       EXPECT_LT(3.0 * model.slope_x_sigma, 0.1 / (size.width / 2.0));
       EXPECT_LT(3.0 * model.slope_y_sigma, 0.1 / (size.height / 2.0));
       EXPECT_LT(3.0 * model.twist_sigma, 0.1 / (size.width / 2.0) / (size.height / 2.0));
@@ -138,7 +138,8 @@ TEST(MeasureVerticalOffset, SaysWhatTheCorrectionIsWorth) {
   const RenderedScene scene = renderScene(351, 263, 4, options);
   const auto measurement = measureVerticalOffset(scene.left, scene.right, kRange, {});
   const double expected = measurement.model.rootMeanSquare(scene.left.size());
-  EXPECT_NEAR(measurement.rms_before_px, expected, 0.2 * expected);  // matches are not everywhere
+  EXPECT_NEAR(measurement.rms_before_px, expected,
+              0.2 * expected);  // matches do not cover the whole image
   EXPECT_LT(measurement.rms_after_px, 0.1);
 }
 
@@ -171,7 +172,7 @@ TEST(EstimateVerticalOffset, SurvivesNoiseInAThirdOfTheImage) {
   EXPECT_LT(largestError(model, options, scene.left.size()), 0.05);
 }
 
-/// A quarter of the matches agree on something else, in one corner where a tilted model could reach
+/// A quarter of the matches agree on another offset, in one corner where a tilted model could fit
 /// them.
 TEST(EstimateVerticalOffset, RejectsAQuarterThatMovedOtherwise) {
   const RenderOptions options = misaligned(0.7, 0.0, 0.0);
@@ -272,7 +273,7 @@ TEST(EstimateVerticalOffset, RefusesOtherImages) {
   EXPECT_THROW(estimateVerticalOffset(cv::Mat::zeros(48, 64, CV_16UC1), grey, kRange, {}), Error);
 }
 
-/// Weight of a sample at distance t, cubic convolution with OpenCV's parameter −0.75.
+/// Weight of a sample at distance t for cubic convolution with OpenCV's parameter −0.75.
 double cubicWeight(double t) {
   const double a = -0.75;
   t = std::abs(t);
@@ -306,7 +307,7 @@ TEST(AlignRightRows, ResamplesAlongTheColumns) {
     ASSERT_EQ(aligned.type(), CV_8UC1);
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
-        // OpenCV rounds coordinates to 1/32 px; ties and 15-bit weights make the tolerance.
+        // OpenCV rounds coordinates to 1/32 px. The tolerance covers ties and 15-bit weights.
         const double exact = std::round(32.0 * (y + model.at(x, y, size))) / 32.0;
         ASSERT_NEAR(aligned.at<uchar>(y, x), interpolated(image, x, exact), 1.5) << x << ' ' << y;
       }
@@ -337,7 +338,7 @@ TEST(AlignRightRows, UndoesWhatWasEstimated) {
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   const cv::Mat aligned = alignRightRows(scene.right, model);
   EXPECT_TRUE(estimateVerticalOffset(scene.left, aligned, kRange, {}).isZero());
-  const cv::Rect inner(4, 4, 343, 255);  // rows from beyond the border are not known
+  const cv::Rect inner(4, 4, 343, 255);  // rows from outside the image are unknown
   const double before = cv::norm(scene.right(inner), straight.right(inner), cv::NORM_L1);
   const double after = cv::norm(aligned(inner), straight.right(inner), cv::NORM_L1);
   EXPECT_LT(after, 0.1 * before);

@@ -13,8 +13,9 @@
 namespace cbmv::test {
 namespace {
 
-/// Along columns with (1, 0), along rows with (0, 1). In float and in the order of the filter: a
-/// rounded mean of the first step may lie on the other side of the threshold in the second one.
+/// Along columns with (1, 0), along rows with (0, 1). Uses float and the order of the filter,
+/// because a rounded mean of the first step may be on the other side of the threshold in the second
+/// step.
 float naiveMean(const cv::Mat& disparity, float invalid, float sigma, float threshold, int y, int x,
                 const cv::Vec2i& axis) {
   const float center = disparity.at<float>(y, x);

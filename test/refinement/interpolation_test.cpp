@@ -12,7 +12,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Labels of which one in `match_every` is a match, the others of either kind; or patches of them.
+/// Random labels, one in `match_every` a match and the others of either kind; or patches of labels.
 cv::Mat makeLabels(const cv::Size& size, Content content, int match_every, std::uint32_t seed) {
   std::mt19937 random(seed);
   cv::Mat labels(size, CV_8UC1);
@@ -28,7 +28,7 @@ cv::Mat makeLabels(const cv::Size& size, Content content, int match_every, std::
   return labels;
 }
 
-/// The disparity of the nearest match from x on, going by `step`; invalid without one.
+/// The disparity of the nearest match from x in steps of `step`; invalid if there is none.
 float nearestMatch(const cv::Mat& labels, const cv::Mat& disparity, float invalid, int y, int x,
                    int step) {
   for (; isInside(labels, y, x); x += step) {
@@ -78,8 +78,7 @@ float naiveMismatch(const cv::Mat& labels, const cv::Mat& disparity, float inval
 
 class Interpolation : public testing::TestWithParam<Case> {
  protected:
-  /// Fills by `fill` the pixels that are labelled so, and expects `naive` there, no change
-  /// elsewhere.
+  /// Fills the pixels with this label using `fill`. Expects `naive` there and no changes elsewhere.
   template <typename Fill, typename Naive>
   void expectFilled(Label label, const Fill& fill, const Naive& naive) {
     const auto [shape, view, content] = GetParam();

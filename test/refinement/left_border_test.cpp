@@ -12,7 +12,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Where the strip ends, from the formula.
+/// End of the strip, from the formula.
 double naiveEnd(const cv::Mat& right, float invalid, int y) {
   std::vector<double> ends;
   for (int row = y - 4; row <= y + 4; ++row) {
@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LeftBorder, allCases());
 constexpr int kTrue = 20;
 const DisparityRange kRange{0, 32};
 
-/// A plane: the first columns cannot have its disparity, and match something else in some rows.
+/// A plane. The first columns cannot have its disparity; in some rows they match something else.
 cv::Mat planeWithWrongBorder(cv::Size size) {
   cv::Mat disparity(size, CV_32FC1, cv::Scalar(kTrue));
   for (int y = 0; y < size.height; ++y) {
@@ -92,7 +92,8 @@ TEST(LeftBorder, IsFilledFromTheRightNotWithWrongMatches) {
   EXPECT_EQ(cv::countNonZero(confidence.colRange(0, kTrue) != 0.5F), 0);
 }
 
-/// Five columns wide in both images, in front of a background that both cameras see beside it.
+/// Five columns wide in both images, in front of a background that both cameras see beside the
+/// object.
 TEST(LeftBorder, KeepsTheBackgroundBesideAThinObject) {
   const cv::Size size(160, 40);
   constexpr int kWide = 5;

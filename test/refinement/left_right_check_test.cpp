@@ -33,7 +33,7 @@ int naiveLabel(const cv::Mat& left, const cv::Mat& right, const DisparityRange& 
   return kOcclusion;
 }
 
-/// Quarters of a pixel: exact in float, and halves of columns among them.
+/// Quarters of a pixel: exact in float, including half columns.
 cv::Mat withFractions(cv::Mat disparity, float invalid) {
   std::mt19937 random(1);
   for (float& d : cv::Mat_<float>(disparity)) {
@@ -74,7 +74,8 @@ TEST_P(LeftRightCheck, EqualsNaiveOne) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LeftRightCheck, allCases());
 
-/// Expects of a left image without disparities what trying them all in float gives.
+/// Expects the labels found by trying all disparities in float, for a left image without
+/// disparities.
 void expectTriedLabels(const cv::Mat& right, const DisparityRange& range, float max_difference) {
   const cv::Mat left(right.size(), CV_32FC1, range.invalid());
   onEverySimdTarget([&] {
@@ -109,8 +110,8 @@ TEST(LeftRightCheck, TriesDisparitiesBeyondTheRangeAndBesideTheLimit) {
   }
 }
 
-/// The difference of a fine disparity and a whole one is rounded, to the limit here, though it may
-/// be above.
+/// The difference between a subpixel and an integer disparity is rounded, here to the limit,
+/// although the exact value may be above it.
 TEST(LeftRightCheck, RoundsLikeTryingAllDisparities) {
   const DisparityRange range{-20, 60};
   cv::Mat right(1, 100, CV_32FC1, range.invalid());
@@ -124,7 +125,7 @@ TEST(LeftRightCheck, RoundsLikeTryingAllDisparities) {
   }
 }
 
-/// Marks of matches reach into the blocks of pixels that are labeled at once.
+/// Marks of matches extend into the blocks of pixels that are labeled together.
 TEST(LeftRightCheck, LabelsWideRows) {
   const DisparityRange range{0, 20};
   cv::Mat right(4, 1300, CV_32FC1);

@@ -46,7 +46,7 @@ cv::Mat naiveFiltered(const cv::Mat& disparity, float invalid, int size, double 
 
 class SpeckleFilter : public testing::TestWithParam<Case> {};
 
-/// Of disparities in steps of 1/16 px, which the filter counts in.
+/// Disparities in steps of 1/16 px, the unit of the filter.
 TEST_P(SpeckleFilter, EqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
   const float invalid = shape.range.invalid();
@@ -71,7 +71,7 @@ TEST_P(SpeckleFilter, EqualsNaiveOne) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SpeckleFilter, allCases());
 
-/// 16 bits do not hold them in steps of 1/16 px.
+/// In steps of 1/16 px they do not fit into 16 bits.
 TEST(SpeckleFilter, TakesTheWidestRange) {
   const DisparityRange range{-2048, 4096};
   cv::Mat disparity(20, 30, CV_32FC1, cv::Scalar(range.max()));

@@ -47,7 +47,7 @@ class Subpixel : public testing::TestWithParam<Case> {};
 
 TEST_P(Subpixel, EqualsNaiveParabolaAtWinners) {
   const auto [shape, view, content] = GetParam();
-  for (const int max_cost : {0, 2, 5355, 65535}) {  // small ones: many equal costs
+  for (const int max_cost : {0, 2, 5355, 65535}) {  // small ones cause many equal costs
     const OptimizedVolume costs = makeCosts(shape, content, max_cost, 15);
     cv::Mat winners;
     winnerTakesAll(costs, view, shape.range, winners);
@@ -70,7 +70,8 @@ TEST(Subpixel, FindsTheMinimumOfAParabola) {
   OptimizedVolume costs(1, 9, 5);
   for (int x = 0; x < 9; ++x) {
     for (int i = 0; i < 5; ++i) {
-      costs.pixel(0, x)[i] = static_cast<std::uint16_t>((4 * i - 9) * (4 * i - 9));  // at 2.25
+      costs.pixel(0, x)[i] =
+          static_cast<std::uint16_t>((4 * i - 9) * (4 * i - 9));  // minimum at 2.25
     }
   }
   cv::Mat disparity(1, 9, CV_32FC1, 2.0F);

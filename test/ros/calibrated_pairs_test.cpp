@@ -20,7 +20,7 @@ boost::shared_ptr<Message> at(double stamp_s) {
   return message;
 }
 
-/// What has been handed over: the stamp of the pair and the names of the camera_infos.
+/// Pairs passed on: the stamp of the pair and the names of the camera_infos.
 using Sets = std::vector<std::string>;
 
 class Calibration : public testing::Test {
@@ -37,7 +37,7 @@ class Calibration : public testing::Test {
     addInfo(0, stamp_s, std::to_string(stamp_s));
     addInfo(1, stamp_s, std::to_string(stamp_s));
   }
-  /// Takes what has been handed over.
+  /// Returns and clears the pairs passed on.
   Sets taken() { return std::exchange(sets_, {}); }
 
   double now_s_ = 100;
@@ -79,7 +79,7 @@ TEST_F(Calibration, ThatComesOnceServesEveryImage) {
     wanted.push_back(std::to_string(i) + ": left right");
   }
   EXPECT_EQ(taken(), wanted);
-  addPair(21);  // nothing is waited for any more
+  addPair(21);  // no longer waits
   EXPECT_EQ(taken(), Sets{"21: left right"});
 }
 
@@ -135,7 +135,7 @@ TEST_F(Calibration, ComesWithEveryImageAgain) {
   for (int i = 1; i <= 10; ++i) {
     addPair(i);
   }
-  for (int i = 11; i <= 20; ++i) {  // late, each
+  for (int i = 11; i <= 20; ++i) {  // each one late
     addPair(i);
     addInfos(i);
   }

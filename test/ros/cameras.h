@@ -6,7 +6,7 @@
 
 namespace cbmv {
 
-/// Publishes what a rectified stereo camera does, in a namespace.
+/// Publishes the topics of a rectified stereo camera in a namespace.
 class Cameras {
  public:
   explicit Cameras(ros::NodeHandle nh = ros::NodeHandle())
@@ -31,7 +31,7 @@ class Cameras {
   }
   void publishColor(const sensor_msgs::ImageConstPtr& image) { color_.publish(image); }
 
-  /// Whether every topic, but the one for colour, has a subscriber.
+  /// Whether every topic except the color image has a subscriber.
   bool pairIsWanted() const {
     return left_image_.getNumSubscribers() > 0 && left_info_.getNumSubscribers() > 0 &&
            right_image_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0;

@@ -1,5 +1,5 @@
-// Run by configuration.test: nodelets with other private parameters than the launch files give
-// them.
+// Run by configuration.test: nodelets whose private parameters differ from those of the launch
+// files.
 
 #include <cstdlib>
 #include <cstring>
@@ -88,7 +88,7 @@ TEST(Startup, PresetYieldsToExplicitParameters) {
   EXPECT_FALSE(subpixel);
 }
 
-/// What one call of set_parameters, of the values in `request`, leaves.
+/// The configuration after one call of set_parameters with the values in `request`.
 cbmv_stereo::StereoConfig reconfigured(StereoNodelet& nodelet,
                                        const dynamic_reconfigure::Config& request) {
   dynamic_reconfigure::Reconfigure call;
@@ -107,7 +107,7 @@ dynamic_reconfigure::Config presetRequest(const std::string& preset) {
   return request;
 }
 
-/// All parameters of the method.
+/// Text with all parameters of the method.
 std::string optionsText(const cbmv_stereo::StereoConfig& config) {
   StereoOptions options;
   applyConfig(config, options);
@@ -116,7 +116,7 @@ std::string optionsText(const cbmv_stereo::StereoConfig& config) {
 
 std::string expectedText(const std::string& preset) {
   StereoOptions options;
-  options.range.count = 16;  // as StereoNodelet sets it
+  options.range.count = 16;  // same as in StereoNodelet
   readPreset(CBMV_SOURCE_DIR "/config/" + preset + ".yaml", options);
   return describeOptions(options);
 }
@@ -136,7 +136,7 @@ TEST(Presets, AreTakenAtRunTime) {
   const auto custom = reconfigured(nodelet, other);
   EXPECT_EQ(custom.preset, "custom");
   EXPECT_EQ(custom.P1, 0.75);
-  EXPECT_EQ(custom.sgm_iterations, 1);  // still of realtime
+  EXPECT_EQ(custom.sgm_iterations, 1);  // still that of realtime
   EXPECT_EQ(optionsText(reconfigured(nodelet, presetRequest("realtime"))),
             expectedText("realtime"));
 }
@@ -190,7 +190,7 @@ TEST(Startup, RefusesBadPrivateParameters) {
 
 TEST(Startup, RangeErrorsNameTheRange) {
   LogReader log;
-  wait(0.3);  // until the subscription stands
+  wait(0.3);  // until the subscription is established
   StereoNodelet nodelet("range_test");
   nodelet.parameters().setParam("points_max_depth_m", 2e6);
   EXPECT_FALSE(nodelet.load());
@@ -200,11 +200,11 @@ TEST(Startup, RangeErrorsNameTheRange) {
 
 TEST(Startup, UnknownPrivateParametersAreNamed) {
   LogReader log;
-  wait(0.3);  // until the subscription stands
+  wait(0.3);  // until the subscription is established
   StereoNodelet nodelet("typo_test");
   nodelet.parameters().setParam("dispartiy_range", 96);
   nodelet.parameters().setParam("diagnostic_period", 1.0);
-  nodelet.parameters().setParam("compressed/mode", "gray");  // of an image transport
+  nodelet.parameters().setParam("compressed/mode", "gray");  // parameter of an image transport
   nodelet.parameters().setParam("unknown_arguments", "fores : forest preset");
   ASSERT_TRUE(nodelet.load());
   EXPECT_TRUE(log.waitForWarning({"/typo_test/nodelet/dispartiy_range is not a parameter",
@@ -217,7 +217,7 @@ TEST(Startup, UnknownPrivateParametersAreNamed) {
 
 TEST(Startup, TwoInputsMayNotBeOneTopic) {
   LogReader log;
-  wait(0.3);  // until the subscription stands
+  wait(0.3);  // until the subscription is established
   StereoNodelet remapped("same_topic_test");
   EXPECT_FALSE(remapped.load({{"/same_topic_test/left/image_rect", "right/image_rect"}}));
   EXPECT_TRUE(log.waitForWarning(
@@ -230,7 +230,7 @@ TEST(Startup, TwoInputsMayNotBeOneTopic) {
 
 TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   LogReader log;
-  wait(0.3);  // until the subscription stands
+  wait(0.3);  // until the subscription is established
   StereoNodelet nodelet("stock_parameters_test");
   nodelet.parameters().setParam("P1", 200.0);
   nodelet.parameters().setParam("uniqueness_ratio", 15.0);
@@ -239,7 +239,7 @@ TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
   EXPECT_TRUE(log.waitForWarning({"stock_parameters_test/nodelet/uniqueness_ratio", "ignored"}));
 }
 
-/// Publishes a pair to the inputs of a namespace until a message comes back; null if none does.
+/// Publishes a pair to the inputs of a namespace until a message arrives; null if none arrives.
 template <typename Message>
 std::shared_ptr<Message> outputOf(const std::string& name_space, const std::string& topic,
                                   const std::function<void(PairMessages&)>& change,
@@ -274,11 +274,11 @@ std::function<void(PairMessages&)> delayRight(double delay_s) {
   };
 }
 
-/// Cameras whose calibrations are published apart from the images.
+/// Cameras whose camera_info is published separately from the images.
 class CameraInfos : public ::testing::Test {
  protected:
   static constexpr std::size_t kFrames = 20;
-  /// When nothing is waited for any more, two pairs come at once.
+  /// When nothing waits any more, two pairs arrive at once.
   static constexpr std::size_t kMayBeReplaced = 1;
 
   void start(const std::string& name_space) {
@@ -297,7 +297,7 @@ class CameraInfos : public ::testing::Test {
              left_info_.getNumSubscribers() > 0 && right_info_.getNumSubscribers() > 0 &&
              output_.isConnected();
     }));
-    wait(0.2);  // until latched messages are there
+    wait(0.2);  // until latched messages have arrived
   }
   PairMessages messages() const { return makeMessages(pair_, {}, ros::Time::now()); }
   void publishImages(const PairMessages& messages) {
@@ -331,7 +331,7 @@ TEST_F(CameraInfos, ThatAreLatchedServeEveryPair) {
   for (std::size_t i = 1; i <= kFrames; ++i) {
     publishImages(messages());
     wait(0.1);
-    EXPECT_GE(output_.count(), i > 6 ? i - 2 : 0);  // none is late once the topic is known
+    EXPECT_GE(output_.count(), i > 6 ? i - 2 : 0);  // none waits once the topic's kind is known
   }
   EXPECT_TRUE(haveCome(kFrames - kMayBeReplaced)) << output_.count();
 }
@@ -357,7 +357,7 @@ TEST_F(CameraInfos, MayComeSeldom) {
   EXPECT_TRUE(haveCome(kFrames - kMayBeReplaced)) << output_.count();
 }
 
-/// They come after their images, and each frame has another focal length.
+/// They arrive after their images, and each frame has another focal length.
 TEST_F(CameraInfos, OfEveryImageAreWaitedFor) {
   start("late_info_test");
   listen();
@@ -395,7 +395,7 @@ TEST(Synchronisation, ApproximateSyncPairsCloseStampsOnly) {
   nodelet.parameters().setParam("approximate_sync", true);
   nodelet.parameters().setParam("approximate_sync_max_interval_s", 0.01);
   ASSERT_TRUE(nodelet.load());
-  // Frames are 0.1 s apart: the nearest right image is 50 ms away.
+  // Frames are 0.1 s apart, so the nearest right image is 50 ms away.
   EXPECT_FALSE(disparityComes("sync_test", delayRight(0.05), 1.5));
   EXPECT_TRUE(disparityComes("sync_test", delayRight(0.002)));
 }
@@ -450,14 +450,14 @@ TEST(Topics, AreTheParameters) {
   nodelet.parameters().setParam("right_image_topic", "/no/such/image");
   nodelet.parameters().setParam("right_info_topic", "names/right_info");
   ASSERT_TRUE(nodelet.load({
-      {"/topic_parameter_test/right/image_rect", "/named/right/image_rect"},  // wins
+      {"/topic_parameter_test/right/image_rect", "/named/right/image_rect"},  // has priority
       {"/topic_parameter_test/names/right_info", "/named/right/camera_info"},
   }));
   EXPECT_TRUE(outputOf<stereo_msgs::DisparityImage>("named", "/topic_parameter_test/disparity",
                                                     changeNothing));
 }
 
-/// Remaps that exchange the cameras must not be followed twice.
+/// Remaps that exchange the cameras must not be applied twice.
 TEST(Topics, MayBeExchanged) {
   StereoNodelet nodelet("exchange_test");
   ASSERT_TRUE(
@@ -486,7 +486,7 @@ TEST(Points, LayoutIsTheParameters) {
   nodelet.parameters().setParam("points_compact", true);
   nodelet.parameters().setParam("points_confidence", true);
   nodelet.parameters().setParam("points_sigma", true);
-  nodelet.parameters().setParam("points_max_depth_m", 5);  // f T = 30: disparities from 6 px on
+  nodelet.parameters().setParam("points_max_depth_m", 5);  // f T = 30: disparities of at least 6 px
   ASSERT_TRUE(nodelet.load());
   const auto cloud = outputOf<sensor_msgs::PointCloud2>("cloud_test", "points2", changeNothing);
   ASSERT_TRUE(cloud);

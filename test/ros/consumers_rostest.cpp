@@ -1,5 +1,5 @@
-// Run by consumers.test: nodelets that robots use read what this node publishes, and make the same
-// points of it as its own cloud has.
+// Run by consumers.test: common nodelets process the outputs of this node, and compute the same
+// points as its point cloud has.
 
 #include <array>
 #include <cmath>
@@ -35,8 +35,8 @@ class Consumers : public testing::Test {
     of_depth_raw_.subscribe(nh_, "/of_depth_raw/points");
   }
 
-  /// Sends frames until one has come out of every nodelet: the stock ones drop sets whose parts
-  /// come in an order that they do not expect.
+  /// Sends frames until one has come out of every nodelet. The stock nodelets drop sets whose parts
+  /// arrive in an unexpected order.
   void exchange() {
     ASSERT_TRUE(waitFor([&] { return cameras_.pairIsWanted() && cameras_.colorIsWanted(); }, 20));
     const StereoPair pair = renderPair(kSize, 4, 9);
@@ -56,7 +56,8 @@ class Consumers : public testing::Test {
            of_depth_raw_.has(stamp_);
   }
 
-  /// Their points against ours; depth may be off by `step_m`. Returns how many of ours they miss.
+  /// Compares the points of another nodelet with the node's cloud; depth may differ by `step_m`.
+  /// Returns the number of points that are missing in the other cloud.
   int missingPoints(const sensor_msgs::PointCloud2& theirs, double step_m) {
     const sensor_msgs::PointCloud2& ours = ours_.at(stamp_);
     EXPECT_EQ(theirs.header.frame_id, ours.header.frame_id);
@@ -90,13 +91,13 @@ class Consumers : public testing::Test {
 
 TEST_F(Consumers, MakeTheSamePoints) {
   ASSERT_NO_FATAL_FAILURE(exchange());
-  // Stereo_image_proc's cloud leaves out the pixels at the lowest disparity of a dense image.
+  // The cloud of stereo_image_proc lacks the pixels at the lowest disparity of a dense image.
   EXPECT_LT(missingPoints(of_disparity_.at(stamp_), 0), kSize.area() / 2);
   EXPECT_EQ(missingPoints(of_depth_.at(stamp_), 0), 0);
-  EXPECT_EQ(missingPoints(of_depth_raw_.at(stamp_), 0.001), 0);  // whole millimetres
+  EXPECT_EQ(missingPoints(of_depth_raw_.at(stamp_), 0.001), 0);  // whole millimeters
 }
 
-/// comparison.launch: both nodes get the same camera and the same range.
+/// comparison.launch: both nodes get the same camera and the same disparity range.
 TEST_F(Consumers, AreComparedOnOneCamera) {
   Collector<stereo_msgs::DisparityImage> ours, stock;
   ours.subscribe(nh_, "/comparison/cbmv/disparity");

@@ -21,7 +21,7 @@ PairMessages goodMessages(const Rig& rig = {}) {
   return makeMessages(renderPair(kSize, 3, 6), rig, ros::Time(12, 34));
 }
 
-/// Expects InputError with that fault and a sentence that holds `words`.
+/// Expects InputError with this fault and a message that contains `words`.
 template <typename Call>
 void expectInputError(const Call& call, InputFault fault, const std::vector<std::string>& words) {
   try {
@@ -123,7 +123,7 @@ TEST(GreyPair, ConvertsYuvUnderAllItsNames) {
   }
 }
 
-/// What cv_bridge writes in Python where no encoding is given.
+/// The encoding that cv_bridge sets in Python if none is given.
 TEST(GreyPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
   PairMessages messages = goodMessages();
   EXPECT_TRUE(toStereoInput(messages.asConst(), kTopics, false).warnings.empty());
@@ -140,7 +140,7 @@ TEST(GreyPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
             cv::Vec3b(10, 100, 200));
 }
 
-/// A scene of one grey level seen through a Bayer mosaic whose green pixels are brighter.
+/// A scene with one gray level, seen through a Bayer mosaic with brighter green pixels.
 TEST(GreyPair, ConvertsBayer) {
   for (const char* encoding :
        {"bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8", "bayer_rggb16"}) {
@@ -151,7 +151,7 @@ TEST(GreyPair, ConvertsBayer) {
     for (int y = 0; y < kSize.height; ++y) {
       for (int x = 0; x < kSize.width; ++x) {
         const bool green = ((x + y) % 2 == 0) == green_first;
-        // The left half is dark, the right half bright; red and blue pixels see half of it.
+        // The left half is dark, the right half bright; red and blue pixels get half of it.
         const int level = (x < kSize.width / 2 ? 40 : 200) / (green ? 1 : 2);
         deep ? mosaic.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(level * 16)
              : mosaic.at<uchar>(y, x) = static_cast<uchar>(level);
@@ -163,7 +163,7 @@ TEST(GreyPair, ConvertsBayer) {
     const GrayPair grey = grayPairOf(messages);
     const cv::Rect dark(2, 2, kSize.width / 2 - 5, kSize.height - 4);
     const cv::Rect bright(kSize.width / 2 + 4, 2, kSize.width / 2 - 6, kSize.height - 4);
-    for (const cv::Rect& half : {dark, bright}) {  // no mosaic is left
+    for (const cv::Rect& half : {dark, bright}) {  // the mosaic has been removed
       double lowest = 0;
       double highest = 0;
       cv::minMaxLoc(grey.left(half), &lowest, &highest);
@@ -173,7 +173,7 @@ TEST(GreyPair, ConvertsBayer) {
   }
 }
 
-/// 12 bits in 16: the levels that a plain division by 256 leaves would be 16.
+/// 12 bits in 16. A division by 256 would leave only 16 levels.
 TEST(GreyPair, SixteenBitsKeepTheirContrast) {
   cv::RNG random(5);
   cv::Mat left(kSize, CV_16UC1);
@@ -228,7 +228,7 @@ TEST(GreyPair, EvenSixteenBitImagesAreEven) {
   EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
 }
 
-/// The message as a machine with the other order of bytes writes it, rows padded.
+/// The message as written by a machine with the other byte order, with padded rows.
 sensor_msgs::ImagePtr toBigEndian(const sensor_msgs::Image& message, std::uint32_t value_bytes) {
   auto big = boost::make_shared<sensor_msgs::Image>(message);
   big->is_bigendian = 1;
@@ -390,7 +390,7 @@ TEST(Geometry, RefusesUnusableCameras) {
     expectBadInfo(messages, InputFault::kUncalibrated,
                   {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "one by one"});
   }
-  messages = goodMessages();  // each may be, their quotient may not
+  messages = goodMessages();  // each value is possible, but not their quotient
   messages.right_info->P[0] = 1e-6;
   messages.right_info->P[3] = -1e6;
   expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "reasonable size"});
@@ -401,8 +401,8 @@ TEST(Geometry, RefusesUnusableCameras) {
   expectBadInfo(messages, InputFault::kCameraInfoSize, {kTopics.left_info, "640 x 480", "37 x 23"});
 }
 
-/// Beyond some size, numbers are none of a camera, and what is computed of them does not fit a
-/// float.
+/// Numbers above some limit do not belong to a camera, and values computed from them do not fit
+/// into a float.
 TEST(Geometry, RefusesNumbersOfNoCamera) {
   for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()}) {
@@ -447,7 +447,7 @@ TEST(Geometry, RectifiedInfoIsTheGeometry) {
   EXPECT_EQ(model.cx(), 60.5);
   EXPECT_EQ(model.cy(), 40.25);
   EXPECT_EQ(model.Tx(), 0);
-  EXPECT_EQ(info.K[0], 110);  // for readers that take K in place of P
+  EXPECT_EQ(info.K[0], 110);  // for subscribers that use K instead of P
   EXPECT_EQ(info.K[2], 60.5);
   EXPECT_EQ(info.K[4], 120);
   EXPECT_EQ(info.K[5], 40.25);
@@ -456,7 +456,7 @@ TEST(Geometry, RectifiedInfoIsTheGeometry) {
   EXPECT_EQ(info.roi.width, 0U);
 }
 
-/// A result with one pixel of each kind: found, invalid, and beyond infinity in a verged rig.
+/// A result with one pixel of each kind: valid, invalid, and beyond infinity in a toed-in rig.
 StereoResult smallResult() {
   StereoResult result;
   result.range = {-2, 8};
@@ -523,7 +523,7 @@ TEST(DisparityImage, ValidWindowHoldsWhatWasFilledIn) {
   StereoResult result;
   result.range = {3, 4};
   result.disparity = cv::Mat_<float>(4, 11, result.range.invalid());
-  result.disparity.at<float>(2, 1) = 4;  // no hypothesis lies in the image here
+  result.disparity.at<float>(2, 1) = 4;  // no hypothesis is inside the image here
   auto window = toDisparityImage(result, smallGeometry(), 1, {}).valid_window;
   EXPECT_EQ(window.x_offset, 0U);
   EXPECT_EQ(window.width, 11U);
@@ -594,7 +594,7 @@ TEST(PointCloud, InvalidPixelsStayMissingWhereTheInvalidValueIsPositive) {
   EXPECT_FLOAT_EQ(z, 6);
 }
 
-/// The float of a field of point i.
+/// The float value of a field of point i.
 float fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string& name, std::size_t i) {
   for (const auto& field : cloud.fields) {
     if (field.name == name) {
@@ -607,7 +607,7 @@ float fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string& name, st
   return 0;
 }
 
-/// Equal, or both not a number.
+/// Expects equal values, or both NaN.
 void expectSameFloat(float found, float expected) {
   EXPECT_TRUE(found == expected || (std::isnan(found) && std::isnan(expected)))
       << found << ", expected " << expected;
@@ -806,7 +806,7 @@ TEST(RawDepthImage, IsMillimetresAndZeroWhereThereIsNone) {
   ASSERT_EQ(message.data.size(), 12U);
   std::array<std::uint16_t, 6> depth;
   std::memcpy(depth.data(), message.data.data(), 12);
-  // 30 / 0.45 is 66.7 m, which 16 bits do not hold
+  // 30 / 0.45 is 66.7 m, which does not fit into 16 bits.
   EXPECT_EQ(depth, (std::array<std::uint16_t, 6>{0, 0, 4286, 60000, 0, 2190}));
 }
 

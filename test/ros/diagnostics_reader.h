@@ -24,7 +24,7 @@ class DiagnosticsReader {
         });
   }
 
-  /// Waits for a level and for words in the message or in one of the values.
+  /// Waits for a level and for text in the message or in one of the values.
   bool waitFor(
       const std::string& name, int level, const std::string& words,
       const std::function<void()>& meanwhile = [] {}) {
@@ -36,10 +36,10 @@ class DiagnosticsReader {
     });
   }
 
-  /// Forgets what has come: the next ones tell how the node is doing now.
+  /// Discards received diagnostics, so that the next ones describe the current state.
   void clear() { newest_.clear(); }
 
-  /// Empty if there is no such value.
+  /// Empty if the value does not exist.
   std::string newestValue(const std::string& name, const std::string& key) const {
     const auto found = newest_.find(prefix_ + name);
     if (found != newest_.end()) {

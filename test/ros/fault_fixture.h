@@ -14,7 +14,7 @@
 
 namespace cbmv {
 
-/// Publishes without a pause while it lives, in a thread of its own.
+/// Publishes continuously in its own thread until destroyed.
 class Feeder {
  public:
   Feeder(double period_s, std::function<void()> publish)
@@ -34,8 +34,7 @@ class Feeder {
   std::thread thread_;
 };
 
-/// A node that gets faulty input, and has to be right again on the next good pair. Images are
-/// small.
+/// A node that gets faulty input and must process the next good pair correctly. Images are small.
 class FaultTest : public ::testing::Test {
  public:
   using Level = diagnostic_msgs::DiagnosticStatus;
@@ -43,15 +42,15 @@ class FaultTest : public ::testing::Test {
   static StereoOptions testOptions() {
     StereoOptions options;
     options.range = {0, 16};
-    options.rectification.enabled = false;  // its estimates depend on when pairs come
+    options.rectification.enabled = false;  // estimates depend on arrival times
     return options;
   }
 
  protected:
-  /// One client for all tests, and what the undisturbed node makes of the pair.
+  /// Creates one client for all tests, and the reference output of the pair.
   static void SetUpTestSuite() {
     shared = std::make_unique<Shared>();
-    shared->client.setOptions(testOptions());  // the node is up
+    shared->client.setOptions(testOptions());  // wait until the node is up
     subscribe();
     const auto undisturbed = disparityOfAGoodPair();
     ASSERT_TRUE(undisturbed);
@@ -68,7 +67,7 @@ class FaultTest : public ::testing::Test {
     }));
   }
 
-  /// The node waits for input anew: what it reported before does not count.
+  /// Makes the node wait for input again, so that earlier reports do not count.
   static void subscribeAnew() {
     shared->client.unsubscribeAll();
     ASSERT_TRUE(waitFor([] { return !shared->client.cameras.anyIsWanted(); }));
@@ -79,7 +78,7 @@ class FaultTest : public ::testing::Test {
     return makeMessages(shared->pair, {}, stamp);
   }
 
-  /// Null if none comes.
+  /// Null if no disparity arrives.
   static stereo_msgs::DisparityImageConstPtr disparityOf(const PairMessages& messages,
                                                          double timeout_s = 20) {
     const ros::Time stamp = messages.left_image->header.stamp;
@@ -105,7 +104,7 @@ class FaultTest : public ::testing::Test {
     EXPECT_TRUE(found.image.data == wanted.image.data) << "the disparities differ";
   }
 
-  /// The very next good pair has to come out, and right.
+  /// Checks that the next good pair is published correctly.
   static void expectRightAgain(ros::Time stamp = ros::Time::now()) {
     const auto disparity = disparityOf(goodPair(stamp));
     ASSERT_TRUE(disparity) << "nothing came of a good pair; diagnostics say: "
@@ -123,7 +122,7 @@ class FaultTest : public ::testing::Test {
         << "' but: " << shared->diagnostics.newestMessage(name);
   }
 
-  /// What `spoil` makes of a good pair has to be refused: diagnostics hold `words`.
+  /// Checks that the pair changed by `spoil` is rejected and that the diagnostics contain `words`.
   static void expectRefused(const std::function<void(PairMessages&)>& spoil,
                             const std::string& words) {
     SCOPED_TRACE(words);

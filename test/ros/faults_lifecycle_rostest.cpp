@@ -1,4 +1,4 @@
-// Run by faults_lifecycle.test: nodelets that go, and processes that are ended, in the middle of a
+// Run by faults_lifecycle.test: nodelets that are unloaded, and processes that are ended, during a
 // frame.
 
 #include <algorithm>
@@ -21,9 +21,9 @@ namespace cbmv {
 namespace {
 
 constexpr int kReloads = 100;
-constexpr double kLongestShutdownS = 30;  // one frame, on a machine with other work
+constexpr double kLongestShutdownS = 30;  // one frame, on a loaded machine
 
-/// Cameras and a reader of disparities in a namespace.
+/// Cameras and a subscriber of disparities in a namespace.
 struct LiveStereo {
   explicit LiveStereo(const std::string& name_space) : nh(name_space), cameras(nh) {
     disparity.subscribe(nh, "disparity");
@@ -31,7 +31,7 @@ struct LiveStereo {
   PairMessages pair(ros::Time stamp = ros::Time::now()) const {
     return makeMessages(images, {}, stamp);
   }
-  /// Publishes pairs until a disparity comes back.
+  /// Publishes pairs until a disparity arrives.
   bool comes(double timeout_s = 30) {
     const std::size_t before = disparity.count();
     return waitFor(
@@ -89,7 +89,7 @@ TEST(Lifecycle, UnloadedAndLoadedAHundredTimesWhileComputing) {
   EXPECT_TRUE(unload("/manager", nodelet));
 }
 
-/// A program that is ended while it works on a frame.
+/// A program that is ended while it processes a frame.
 class Program {
  public:
   explicit Program(const std::vector<std::string>& command) {
@@ -122,7 +122,7 @@ class Program {
   bool has_ended_ = false;
 };
 
-/// Frames that take a while.
+/// Makes frames slow.
 void setSlowParameters(const std::string& node) {
   ros::NodeHandle parameters(node);
   parameters.setParam("forest", CBMV_TEST_FOREST);
@@ -136,7 +136,7 @@ void expectEndsInTheMiddleOfAFrame(Program& program, const std::string& name_spa
   LiveStereo stream(name_space);
   stream.images = renderPair({240, 180}, 10, 40);
   ASSERT_TRUE(stream.comes());
-  wait(1);  // until the pairs that comes() published are done
+  wait(1);  // until the pairs published by comes() are done
   const std::size_t before = stream.disparity.count();
   stream.cameras.publish(stream.pair());
   wait(0.05);
@@ -165,7 +165,7 @@ TEST(Lifecycle, ManagerEndsInTheMiddleOfAFrame) {
   }
 }
 
-/// Matching the large pair takes more than 1 GiB.
+/// Matching the large pair needs more than 1 GiB.
 TEST(Lifecycle, FramesThatFindNoAddressSpaceAreDropped) {
   setSlowParameters("/starved/node");
   ros::NodeHandle("/starved/node").setParam("disparity_range", 512);

@@ -1,5 +1,5 @@
-// Run by faults.test: hundreds of calls of set_parameters with values at, below and beyond their
-// limits, while frames flow.
+// Run by faults.test: hundreds of calls of set_parameters with values at, below and above their
+// limits, while frames are processed.
 
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ constexpr int kCalls = 400;
 
 class ParameterFaults : public FaultTest {
  protected:
-  /// What the node makes of the values.
+  /// The configuration that the node returns for these values.
   static cbmv_stereo::StereoConfig call(const Config& request) {
     dynamic_reconfigure::Reconfigure call;
     call.request.config = request;
@@ -65,7 +65,7 @@ class ParameterFaults : public FaultTest {
     }
   }
 
-  /// Of a few parameters, or of all.
+  /// Random values of a few parameters, or of all.
   static Config anyRequest(const std::vector<Parameter>& parameters) {
     Config config;
     const int one_in = anyOf(std::vector<int>{1, 4, 20});
@@ -89,7 +89,7 @@ class ParameterFaults : public FaultTest {
   static void expectWithinLimits(const cbmv_stereo::StereoConfig& config,
                                  const std::vector<Parameter>& parameters) {
     StereoOptions options;
-    applyConfig(config, options);  // throws for values that are refused
+    applyConfig(config, options);  // throws for invalid values
     for (const Parameter& parameter : parameters) {
       std::visit(
           [&](const auto& value) {
@@ -116,7 +116,7 @@ TEST_F(ParameterFaults, AtAndBeyondTheirLimitsWhileFramesFlow) {
   expectRightAgain();
 }
 
-/// One by one, with frames between.
+/// One at a time, with frames in between.
 TEST_F(ParameterFaults, EachAtItsLimits) {
   for (const Parameter& parameter : stereoParameters()) {
     SCOPED_TRACE(parameter.name);
@@ -130,7 +130,8 @@ TEST_F(ParameterFaults, EachAtItsLimits) {
         add(parameter.name, value, request.doubles);
       }
       call(request);
-      // Disparities outside of the images, and memory that does not suffice, are refused in words.
+      // Disparities outside the images, and settings that need too much memory, are rejected with a
+      // message.
       if (parameter.name != "min_disparity") {
         EXPECT_TRUE(disparityOfAGoodPair()) << value;
       }

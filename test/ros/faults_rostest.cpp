@@ -1,5 +1,5 @@
-// Run by faults.test: messages that are wrong in themselves. The node has to name the cause, and to
-// be right again on the next good pair.
+// Run by faults.test: invalid messages. The node must name the cause and process the next good pair
+// correctly.
 
 #include <cmath>
 #include <cstring>
@@ -81,7 +81,7 @@ TEST_F(MessageFaults, UnknownEncodings) {
   }
 }
 
-/// Every encoding that is known, said of bytes that are mono8: whatever comes of it, no harm does.
+/// Every known encoding, set for mono8 data. Any result is acceptable, but no crash.
 TEST_F(MessageFaults, EncodingsThatDoNotFit) {
   for (const char* encoding : {"bgr8", "rgba8", "mono16", "bgr16", "bayer_rggb8", "bayer_gbrg16",
                                "yuv422", "8UC1", "16UC1", "8UC3", "32FC1", "64FC4"}) {
@@ -98,7 +98,7 @@ TEST_F(MessageFaults, EncodingsThatDoNotFit) {
   }
 }
 
-/// Sixteen bits in the wrong order are grey values, too: nobody can tell.
+/// 16-bit values in the wrong byte order are valid gray values, so the error cannot be detected.
 TEST_F(MessageFaults, WrongByteOrder) {
   const PairMessages eight = goodPair();
   for (const int order : {0, 1, 2, 255}) {
@@ -108,7 +108,7 @@ TEST_F(MessageFaults, WrongByteOrder) {
     }
     const auto of_bytes = disparityOf(messages);
     ASSERT_TRUE(of_bytes);
-    expectSame(*of_bytes);  // a byte has none
+    expectSame(*of_bytes);  // a byte has no byte order
     cv::Mat deep;
     shared->pair.left.convertTo(deep, CV_16U, 257);
     messages = goodPair();
@@ -128,7 +128,7 @@ TEST_F(MessageFaults, NumbersInCameraInfoThatAreNone) {
       (entry % 2 == 0 ? messages.left_info : messages.right_info)->P.at(entry) = value;
       const ros::Time stamp = messages.left_image->header.stamp;
       shared->client.cameras.publish(messages);
-      expectRightAgain();  // of a later pair, so nothing came of this one
+      expectRightAgain();  // it is from a later pair, so this one was not published
       EXPECT_FALSE(shared->client.disparity.has(stamp));
     }
     PairMessages messages = goodPair();
@@ -214,7 +214,7 @@ TEST_F(MessageFaults, EncodingAndCalibrationChangeInMidStream) {
   }
 }
 
-/// Each byte of what describes an image, and of P, may be anything.
+/// Every byte of the image description and of P can have any value.
 TEST_F(MessageFaults, RandomFieldsDoNoHarm) {
   cv::RNG random(7);
   const auto spoil = [&random](auto& value) {
@@ -249,7 +249,7 @@ TEST_F(MessageFaults, ImagesThatTheMachineHasNoMemoryFor) {
   options.range.count = 4096;
   options.search.levels = 0;
   shared->client.setOptions(options);
-  const cv::Mat large(4000, 8192, CV_8UC1, cv::Scalar(7));  // matching them takes 670 GB
+  const cv::Mat large(4000, 8192, CV_8UC1, cv::Scalar(7));  // matching them needs 670 GB
   shared->client.cameras.publish(makeMessages({large, large, {}}, {}, ros::Time::now()));
   expectDiagnostic("Calibration", Level::ERROR, "but the machine has");
   shared->client.setOptions(testOptions());

@@ -1,5 +1,4 @@
-// Run by faults_sim_time.test: a node on simulated time that stands still, jumps back and far
-// ahead.
+// Run by faults_sim_time.test: a node on simulated time that stops, jumps back and jumps far ahead.
 
 #include <mutex>
 
@@ -11,12 +10,12 @@
 namespace cbmv {
 namespace {
 
-/// Says what time it is, again and again.
+/// Publishes the time repeatedly.
 class Clock {
  public:
   Clock() : publisher_(nh_.advertise<rosgraph_msgs::Clock>("/clock", 10)) {}
 
-  /// Returns when this process has it, too.
+  /// Returns when this process has received the time, too.
   void set(const ros::Time& time) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -67,7 +66,7 @@ TEST_F(SimulatedTime, MayJumpBackAndFarAhead) {
     SCOPED_TRACE(time_s);
     clock->set(ros::Time(time_s));
     expectRightAgain();
-    expectDiagnostic("Method", Level::OK, "ms a frame");  // diagnostics go on
+    expectDiagnostic("Method", Level::OK, "ms a frame");  // diagnostics continue
   }
   expectDiagnostic("Input", Level::WARN, "stamps went back on ");
 }

@@ -1,5 +1,5 @@
-// Run by faults.test, by a node that pairs equal stamps and by one that pairs close ones: messages
-// that are right in themselves, but come at the wrong time or with wrong stamps.
+// Run by faults.test, with a node that pairs equal stamps and with one that pairs close stamps:
+// valid messages at the wrong time or with wrong stamps.
 
 #include <csignal>
 #include <cstdlib>
@@ -36,8 +36,8 @@ TEST_F(TimeFaults, OneCameraIsSilentAndComesBack) {
   expectDiagnostic("Input", Level::OK, "pairs of images at", [] { cameras().publish(goodPair()); });
 }
 
-/// What waits of the left camera must not keep older stamps from being paired, whether somebody
-/// listens all the time or not.
+/// Waiting messages of the left camera must not block pairs with older stamps, whether an output
+/// always has a subscriber or not.
 TEST_F(TimeFaults, AnOldRecordingAfterOneCameraWasSilent) {
   for (const bool viewer_leaves : {true, false}) {
     for (int i = 0; i < 20; ++i) {
@@ -54,8 +54,8 @@ TEST_F(TimeFaults, AnOldRecordingAfterOneCameraWasSilent) {
   }
 }
 
-/// The left camera's clock is an hour ahead for a while: what waits for partners then must not keep
-/// others from being paired.
+/// The left camera's clock is an hour ahead for a while. Messages that then wait for partners must
+/// not block others.
 TEST_F(TimeFaults, StampsOfOneCameraLeapAheadForAWhile) {
   for (int i = 0; i < 8; ++i) {
     PairMessages messages = goodPair();
@@ -73,10 +73,10 @@ TEST_F(TimeFaults, RecordingsThatLoop) {
     for (int i = 0; i < 10; ++i) {
       expectRightAgain(ros::Time(1000 + 0.1 * i));
     }
-    for (int i = 10; i < 17; ++i) {  // cut off: nothing of the right camera
+    for (int i = 10; i < 17; ++i) {  // interrupted: no message of the right camera
       cameras().publishLeft(goodPair(ros::Time(1000 + 0.1 * i)));
     }
-    wait(0.1);  // until they wait for their partners
+    wait(0.1);  // until they wait for partners
   }
   expectStampWarning("stamps went back on ");
   expectRightAgain();
@@ -101,12 +101,12 @@ TEST_F(TimeFaults, StampsOfAnotherTime) {
     expectRightAgain();
   }
   expectRightAgain(ros::Time::now() + ros::Duration(86400));
-  expectDiagnostic("Output", Level::WARN, "");  // ages of centuries, of one sign or the other
+  expectDiagnostic("Output", Level::WARN, "");  // ages of centuries, positive or negative
   EXPECT_EQ(failed(), failed_before);
   expectStampWarning("stamps went back on ");
 }
 
-/// On each topic for itself, so that sets stay incomplete.
+/// Stamps are random on each topic, so sets stay incomplete.
 TEST_F(TimeFaults, RandomStampsDoNoHarm) {
   cv::RNG random(3);
   const auto any_stamp = [&random] {
@@ -139,7 +139,8 @@ TEST_F(TimeFaults, RandomStampsDoNoHarm) {
   expectStampWarning("stamps went back on ");
 }
 
-/// Long enough for the report on topics that do not synchronise, which names the distance.
+/// Waits for the report on topics that do not synchronize, which contains the distance of the
+/// stamps.
 TEST_F(TimeFaults, StampsFartherApartThanADurationHolds) {
   subscribeAnew();
   {
@@ -210,12 +211,12 @@ class Sleeper {
   bool sleeps_ = false;
 };
 
-/// A subscriber that has stopped to read holds up nobody but itself; nor does its end.
+/// A subscriber that no longer reads blocks only itself, and its end has no effect.
 TEST_F(TimeFaults, SubscriberThatSleeps) {
   {
     Sleeper sleeper;
     ASSERT_TRUE(waitFor([&] { return sleeper.sleeps(); }, 30));
-    for (int i = 0; i < 300; ++i) {  // more than the buffers of its connection hold
+    for (int i = 0; i < 300; ++i) {  // more than the buffers of its connection can hold
       ASSERT_TRUE(disparityOf(goodPair(), 5));
     }
     expectRightAgain();
@@ -223,7 +224,7 @@ TEST_F(TimeFaults, SubscriberThatSleeps) {
   expectRightAgain();
 }
 
-/// Subscribes to every output of some size, and stops when they are connected.
+/// Subscribes to every large output, and stops reading when the connections are established.
 int sleepAsSubscriber() {
   ros::NodeHandle nh;
   Collector<stereo_msgs::DisparityImage> disparity;

@@ -1,4 +1,4 @@
-// Run by frame_path.test: one raw rig through the live node, cbmv_bag and cbmv_match.
+// Run by frame_path.test: one raw stereo rig processed by the node, cbmv_bag and cbmv_match.
 
 #include <algorithm>
 #include <cmath>
@@ -27,20 +27,21 @@ namespace {
 const cv::Size kSize(440, 320);
 constexpr int kFarPx = 16;
 constexpr int kNearPx = 40;
-constexpr double kLeftPlaceM = 0.02;  // of the left camera, to the left of the reference
+constexpr double kLeftPlaceM = 0.02;  // distance of the left camera from the reference, to the left
 
 const Rig kRig{360, 0.1, 219.5, 219.5, 159.5};
 const std::string kOptions = std::string("--forest ") + CBMV_SOURCE_DIR +
                              "/models/middlebury_small.forest --preset " + CBMV_SOURCE_DIR +
                              "/config/realtime.yaml";
 
-/// The lens of images of twice the size.
+/// The lens for images of twice the size.
 Lens doubled(Lens lens) {
   lens.matrix = cv::Matx33d(2, 0, 0.5, 0, 2, 0.5, 0, 0, 1) * lens.matrix;
   return lens;
 }
 
-/// Distorted, turned, and both cameras beside the reference, as KITTI's color cameras are.
+/// Images with distortion and rotation; both cameras are away from the reference, as KITTI's color
+/// cameras.
 PairMessages makeRawFrame(const StereoPair& pair, ros::Time stamp) {
   PairMessages messages = makeMessages(pair, kRig, stamp);
   makeRaw(doubled(kLeftLens), doubled(kRightLens), messages);
@@ -50,7 +51,7 @@ PairMessages makeRawFrame(const StereoPair& pair, ros::Time stamp) {
   return messages;
 }
 
-/// What the live node publishes of one frame.
+/// Messages that the node publishes for one frame.
 struct LiveFrame {
   PairMessages raw;
   cv::Mat depth, disparity;
@@ -80,7 +81,7 @@ float medianOf(const cv::Mat& values) {
   return sorted.at(sorted.size() / 2);
 }
 
-/// In the middle of the near rectangle, and of the far plane below it.
+/// Checks the middle of the near rectangle and of the distant plane below it.
 void expectTrueDepth(const cv::Mat& depth) {
   const cv::Rect near(kSize.width / 3 + 20, kSize.height / 3 + 20, kSize.width / 3 - 40,
                       kSize.height / 3 - 40);

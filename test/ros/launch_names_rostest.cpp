@@ -1,4 +1,4 @@
-// Run by launch_names.test: images that are called otherwise than those of stereo_image_proc.
+// Run by launch_names.test: images whose names differ from those of stereo_image_proc.
 
 #include <string>
 

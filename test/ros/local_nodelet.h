@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-/// A nodelet in this process, with topics and parameters in a namespace of its own.
+/// A nodelet in this process, with its own namespace for topics and parameters.
 class LocalNodelet {
  public:
   explicit LocalNodelet(const std::string& name_space, const std::string& type)

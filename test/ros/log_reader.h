@@ -11,7 +11,7 @@
 
 namespace cbmv {
 
-/// Reads what all nodes log.
+/// Reads the log of all nodes.
 class LogReader {
  public:
   LogReader() {
@@ -21,7 +21,7 @@ class LogReader {
         });
   }
 
-  /// Waits for a warning or error that holds all of `words`.
+  /// Waits for a warning or error that contains all of `words`.
   bool waitForWarning(const std::vector<std::string>& words, double timeout_s = 30) {
     return waitFor([&] { return hasWarning(words); }, timeout_s);
   }

@@ -41,7 +41,7 @@ TEST(StereoConfig, IsTheTableOfParameters) {
   const auto defaults = valuesOf(StereoConfig::__getDefault__());
   const auto lowest = valuesOf(StereoConfig::__getMin__());
   const auto highest = valuesOf(StereoConfig::__getMax__());
-  EXPECT_EQ(defaults.size(), stereoParameters().size() + 1);  // and min_confidence
+  EXPECT_EQ(defaults.size(), stereoParameters().size() + 1);  // plus min_confidence
   for (const Parameter& parameter : stereoParameters()) {
     SCOPED_TRACE(parameter.name);
     ASSERT_EQ(defaults.count(parameter.name), 1U);
@@ -109,7 +109,7 @@ TEST(WriteConfig, KeepsValuesAsTheyWereTyped) {
   StereoOptions options;
   applyConfig(config, options);
   writeConfig(options, config);
-  EXPECT_EQ(config.P1, 1.7);  // and not the float next to it
+  EXPECT_EQ(config.P1, 1.7);  // not the nearest float
 }
 
 TEST(Preset, IsANameOrAPath) {
@@ -140,7 +140,7 @@ TEST(Preset, IsCustomOnceAValueDiffers) {
   EXPECT_EQ(presetOf(preset, options), kNoPreset);
   applyPreset(preset, options);
   EXPECT_EQ(presetOf(preset, options), preset);
-  options.range.count = 32;  // which it does not name
+  options.range.count = 32;  // not in the preset
   EXPECT_EQ(presetOf(preset, options), preset);
   options.sgm.p1 += 0.5F;
   EXPECT_EQ(presetOf(preset, options), kNoPreset);
@@ -148,7 +148,7 @@ TEST(Preset, IsCustomOnceAValueDiffers) {
   EXPECT_EQ(presetOf("/nonexistent.yaml", options), kNoPreset);
 }
 
-/// What cfg/Stereo.cfg offers is there, and takes no correction.
+/// The presets offered in cfg/Stereo.cfg exist and need no correction.
 TEST(Preset, FilesAreThere) {
   for (const char* name : {"quality", "balanced", "realtime", "kitti"}) {
     StereoOptions options;

@@ -1,4 +1,5 @@
-// Run by parity.test: the nodelets of stereo_image_proc and ours on the same input, in one manager.
+// Run by parity.test: nodelets of stereo_image_proc and of this package on the same input, in one
+// manager.
 
 #include <cmath>
 #include <cstring>
@@ -21,7 +22,7 @@ constexpr int kNearPx = 11;
 constexpr int kMinDisparity = 2;
 constexpr int kDisparityRange = 32;
 
-/// Sets the search range of a node as operators of stereo_image_proc do.
+/// Sets the disparity range of a node as users of stereo_image_proc do.
 void setRange(const std::string& node) {
   dynamic_reconfigure::Reconfigure call;
   for (const auto& [name, value] :
@@ -35,7 +36,7 @@ void setRange(const std::string& node) {
   ASSERT_TRUE(ros::service::call(node + "/set_parameters", call));
 }
 
-/// Type of each topic that is published below a namespace, by its name in there.
+/// Types of the topics that are published below a namespace, by relative name.
 std::map<std::string, std::string> topicsOf(const std::string& name_space) {
   ros::master::V_TopicInfo all;
   ros::master::getTopics(all);
@@ -54,13 +55,13 @@ cv::Mat valuesOf(const stereo_msgs::DisparityImage& message) {
                  message.image.step);
 }
 
-/// Both sides' outputs of the same frame.
+/// Outputs of both packages for the same frame.
 class Parity : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     setRange("/stock/disparity");
     setRange("/ours/disparity");
-    for (const char* name_space : {"/stock/", "/ours/", "/mixed/"}) {  // all nodelets are up
+    for (const char* name_space : {"/stock/", "/ours/", "/mixed/"}) {  // until all nodelets are up
       ASSERT_TRUE(waitFor([&] { return topicsOf(name_space).count("points2") > 0; }, 20));
     }
   }
@@ -80,8 +81,8 @@ class Parity : public ::testing::Test {
     }));
   }
 
-  /// Sends frames until one has come out of every nodelet: stereo_image_proc drops sets whose parts
-  /// come in an order that it does not expect.
+  /// Sends frames until one has come out of every nodelet. stereo_image_proc drops sets whose parts
+  /// arrive in an unexpected order.
   void exchange() {
     subscribeAll();
     ASSERT_TRUE(waitFor(
@@ -92,7 +93,7 @@ class Parity : public ::testing::Test {
           color_ = cv::Mat(kSize, CV_8UC3);
           cv::randu(color_, 0, 256);
           cameras_.publishColor(makeImage(color_, "bgr8", sent_.left_image->header));
-          wait(0.1);  // our cloud takes colour only if it comes in time
+          wait(0.1);  // the color image is used only if it arrives in time
           cameras_.publish(sent_);
           return waitFor([&] { return allHaveCome(); }, 2);
         },
@@ -123,7 +124,7 @@ TEST_F(Parity, TopicsHaveTheSameNamesAndTypes) {
   EXPECT_EQ(stock.at("disparity"), "stereo_msgs/DisparityImage");
   EXPECT_EQ(stock.at("points2"), "sensor_msgs/PointCloud2");
   for (const auto& [name, type] : stock) {
-    if (name.rfind("point_cloud2/", 0) != 0) {  // the bond of a nodelet that we do not need
+    if (name.rfind("point_cloud2/", 0) != 0) {  // the bond of a nodelet that is not needed here
       ASSERT_EQ(ours.count(name), 1U) << name;
       EXPECT_EQ(ours.at(name), type) << name;
     }
@@ -167,12 +168,13 @@ TEST_F(Parity, DisparityImagesAgree) {
   EXPECT_EQ(ours.min_disparity, stock.min_disparity);
   EXPECT_EQ(ours.max_disparity, stock.max_disparity);
   EXPECT_GT(ours.delta_d, 0);
-  EXPECT_LE(ours.delta_d, stock.delta_d);  // sixteenths of a pixel there, finer here
+  EXPECT_LE(ours.delta_d, stock.delta_d);  // 1/16 px there, finer here
 }
 
 TEST_F(Parity, ValidWindowLiesInTheImageHere) {
   ASSERT_NO_FATAL_FAILURE(exchange());
-  const auto& stock = stock_disparity_.at(stamp_).valid_window;  // its sizes are not those of one
+  const auto& stock =
+      stock_disparity_.at(stamp_).valid_window;  // its sizes are not those of a window
   const auto& ours = our_disparity_.at(stamp_).valid_window;
   EXPECT_LE(ours.x_offset + ours.width, static_cast<unsigned>(kSize.width));
   EXPECT_GE(ours.width, static_cast<unsigned>(kSize.width - kMinDisparity));
@@ -241,7 +243,7 @@ std::array<float, 3> pointAt(const sensor_msgs::PointCloud2& cloud, std::size_t 
   return point;
 }
 
-/// Both clouds of the stock disparity: ours has every point of theirs.
+/// Both clouds from the stock disparity: this package's cloud has every point of the other.
 TEST_F(Parity, CloudsOfOneDisparityHaveTheSamePoints) {
   ASSERT_NO_FATAL_FAILURE(exchange());
   const auto& stock = stock_cloud_.at(stamp_);
@@ -262,7 +264,7 @@ TEST_F(Parity, CloudsOfOneDisparityHaveTheSamePoints) {
   EXPECT_GT(found, kSize.area() / 4);
 }
 
-/// Stereo_image_proc takes the offset off twice in the disparity, and once more in the cloud.
+/// stereo_image_proc subtracts the offset twice in the disparity, and once more in the cloud.
 TEST_F(Parity, OffsetOfVergedCamerasIsTakenOffOnceHere) {
   rig_.cx_right_px = rig_.cx_left_px + 3;
   ASSERT_NO_FATAL_FAILURE(exchange());

@@ -1,4 +1,5 @@
-// Run by configuration.test: the nodelet cbmv_stereo/point_cloud2 on disparity images of any kind.
+// Run by configuration.test: the nodelet cbmv_stereo/point_cloud2 on disparity images of any
+// source.
 
 #include <cmath>
 #include <cstring>
@@ -19,7 +20,7 @@ namespace {
 const cv::Size kSize(31, 22);
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// A disparity image as the message's documentation has it; f and T are those of Rig.
+/// A disparity image according to the message definition, with f and T of Rig.
 stereo_msgs::DisparityImage makeDisparity(const cv::Mat& values, float lowest,
                                           const std_msgs::Header& header) {
   stereo_msgs::DisparityImage message;
@@ -50,7 +51,7 @@ class CloudOfDisparity : public ::testing::Test {
            disparity_.getNumSubscribers() > 0;
   }
 
-  /// Sends one set; the messages of the pair give headers and infos.
+  /// Sends one set; headers and camera_infos come from the pair.
   void send(const PairMessages& pair, const stereo_msgs::DisparityImage& disparity) {
     color_ = cv::Mat(disparityOf(disparity).size(), CV_8UC3);
     cv::randu(color_, 0, 256);
@@ -68,7 +69,7 @@ class CloudOfDisparity : public ::testing::Test {
     return makeMessages(renderPair(kSize, 1, 2), rig, ros::Time::now());
   }
 
-  /// Sends values in a disparity image and compares the cloud, point by point.
+  /// Sends values as a disparity image and compares the cloud point by point.
   void expectCloudOf(const cv::Mat& values, float lowest, const Rig& rig = {}) {
     const PairMessages pair = makePair(rig);
     send(pair, makeDisparity(values, lowest, pair.left_image->header));
@@ -147,7 +148,7 @@ TEST_F(CloudOfDisparity, EveryMarkOfInvalidPixelsIsUnderstood) {
 TEST_F(CloudOfDisparity, OffsetOfVergedCamerasIsNotTakenOffAgain) {
   start();
   Rig rig;
-  rig.cx_right_px = 52.5;  // 10 px less: the message's disparities have it taken off
+  rig.cx_right_px = 52.5;  // 10 px less; already subtracted in the message's disparities
   expectCloudOf(twoPlanes(4, 9), 0, rig);
 }
 
@@ -176,7 +177,7 @@ TEST_F(CloudOfDisparity, CalibrationMayComeOnce) {
 
 TEST_F(CloudOfDisparity, UnknownPrivateParametersAreNamed) {
   LogReader log;
-  wait(0.3);  // until the subscription stands
+  wait(0.3);  // until the subscription is established
   nodelet_.parameters().setParam("queue_sise", 7);
   start();
   EXPECT_TRUE(log.waitForWarning({"queue_sise is not a parameter", "queue_size"}));
@@ -227,7 +228,7 @@ TEST_F(CloudOfDisparity, DropsBadInputWithAWarningAndLives) {
   send(pair, makeDisparity(cv::Mat(9, 9, CV_32FC1), 0, pair.left_image->header));
   EXPECT_TRUE(log.waitForWarning({"/cloud/left/camera_info", "31 x 22", "9 x 9"}));
   pair = makePair();
-  pair.right_info->header.frame_id = "right_camera";  // of no account here
+  pair.right_info->header.frame_id = "right_camera";  // has no effect here
   const cv::Mat values = twoPlanes(4, 9);
   send(pair, makeDisparity(values, 0, pair.left_image->header));
   expectCloud(pair, values, 0, {});
@@ -235,7 +236,7 @@ TEST_F(CloudOfDisparity, DropsBadInputWithAWarningAndLives) {
 
 TEST_F(CloudOfDisparity, LayoutAndLimitsAreTheParameters) {
   nodelet_.parameters().setParam("points_compact", true);
-  nodelet_.parameters().setParam("points_min_depth_m", 5);  // f T = 30: disparities up to 6 px
+  nodelet_.parameters().setParam("points_min_depth_m", 5);  // f T = 30: disparities of at most 6 px
   start();
   const PairMessages pair = makePair();
   send(pair, makeDisparity(twoPlanes(4, 9), 0, pair.left_image->header));

@@ -10,7 +10,7 @@
 
 #include "ros/stereo_pair.h"
 
-// A rig before rectification: lenses that distort, cameras that are turned.
+// A stereo rig before rectification: lenses with distortion and rotated cameras.
 
 namespace cbmv {
 
@@ -46,8 +46,8 @@ struct Lens {
   std::vector<double> distortion;
   cv::Vec3d rotation;  ///< to the rectified camera, Rodrigues
 
-  /// What the camera sees where the rectified one sees `rectified`: every raw pixel's ray is looked
-  /// up there.
+  /// Image of this camera if the rectified camera sees `rectified`. Each raw pixel is looked up
+  /// along its ray.
   cv::Mat view(const cv::Mat& rectified, const sensor_msgs::CameraInfo& info) const {
     std::vector<cv::Point2f> raw;
     for (int y = 0; y < rectified.rows; ++y) {
@@ -77,14 +77,15 @@ struct Lens {
   }
 };
 
-// Of images of 220 x 160 px. As strong as those of a real rig (scripts/demo --raw), turned more.
+// For images of 220 x 160 px. Distortion as strong as that of a real rig (scripts/demo --raw),
+// larger rotation.
 inline const Lens kLeftLens{{185, 0, 113, 0, 184.5, 77, 0, 0, 1},
-                     {-0.29, 0.11, -0.001, 0.0005, -0.02},
-                     {0.01, -0.02, 0.008}};
+                            {-0.29, 0.11, -0.001, 0.0005, -0.02},
+                            {0.01, -0.02, 0.008}};
 inline const Lens kRightLens{
     {187, 0, 108, 0, 187, 82, 0, 0, 1}, {-0.27, 0.09, 0.0008, -0.0003, 0}, {-0.012, 0.015, -0.009}};
 
-/// Makes the rectified images of `messages` (mono8) what the lenses see, and describes the lenses.
+/// Replaces the rectified images of `messages` (mono8) by raw ones, and sets their calibration.
 inline void makeRaw(const Lens& left, const Lens& right, PairMessages& messages) {
   const auto distort = [](const Lens& lens, sensor_msgs::Image& image,
                           sensor_msgs::CameraInfo& info) {

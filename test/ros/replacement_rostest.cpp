@@ -18,7 +18,7 @@ namespace {
 const cv::Size kSize(124, 82);
 constexpr int kFarPx = 4;
 constexpr int kNearPx = 10;
-constexpr int kRowsDown = 8;  // rectification moves the images by that
+constexpr int kRowsDown = 8;  // vertical shift of the images by rectification
 
 float medianOf(const cv::Mat& values) {
   std::vector<float> sorted;
@@ -27,7 +27,7 @@ float medianOf(const cv::Mat& values) {
   return sorted[sorted.size() / 2];
 }
 
-/// Raw images of a Bayer sensor on which everything is rather red; rectification moves them down.
+/// Raw images of a Bayer sensor with a reddish scene; rectification shifts them down.
 PairMessages makeRedMessages(const StereoPair& pair, ros::Time stamp) {
   PairMessages messages = makeMessages(pair, {}, stamp);
   for (const auto& image : {messages.left_image, messages.right_image}) {
@@ -42,7 +42,7 @@ PairMessages makeRedMessages(const StereoPair& pair, ros::Time stamp) {
   }
   for (const auto& info : {messages.left_info, messages.right_info}) {
     info->distortion_model = "plumb_bob";
-    info->D = {1e-6, 0, 0, 0, 0};  // without distortion, image_proc leaves images as they are
+    info->D = {1e-6, 0, 0, 0, 0};  // without distortion, image_proc does not rectify
     info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     info->K = {info->P[0], 0, info->P[2], 0, info->P[5], info->P[6] - kRowsDown, 0, 0, 1};
   }
@@ -60,7 +60,8 @@ PairMessages makeDistortedMessages(const StereoPair& pair, ros::Time stamp) {
   return messages;
 }
 
-/// Share of the pixels away from borders and depth edges whose disparity is right within 0.5 px.
+/// Fraction of the pixels, away from borders and depth edges, whose disparity is correct within 0.5
+/// px.
 double rightShare(const cv::Mat& disparity, const cv::Mat& truth) {
   constexpr int kAwayPx = 9;
   cv::Mat lowest, highest, difference;
@@ -79,7 +80,7 @@ double rightShare(const cv::Mat& disparity, const cv::Mat& truth) {
 
 using MakeMessages = PairMessages (*)(const StereoPair&, ros::Time);
 
-/// Publishes the pair again and again until `has_arrived()`; false where that takes too long.
+/// Publishes the pair repeatedly until `has_arrived()`; returns false after a timeout.
 template <typename Arrived>
 bool publishUntil(RawCameras& cameras, const StereoPair& pair, MakeMessages make,
                   const Arrived& has_arrived) {
@@ -142,7 +143,7 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   const stereo_msgs::DisparityImage& message = disparity.newest();
   EXPECT_EQ(message.header.frame_id, "left_camera");
   const cv::Mat values(kSize, CV_32FC1, const_cast<std::uint8_t*>(message.image.data.data()));
-  const int top = kSize.height / 3;  // of the near rectangle, as the raw images have it
+  const int top = kSize.height / 3;  // top of the near rectangle in the raw images
   const cv::Range middle(kSize.width / 3 + 5, 2 * kSize.width / 3 - 5);
   EXPECT_NEAR(medianOf(values({top + 1, top + kRowsDown - 1}, middle)), kFarPx, 0.5);
   EXPECT_NEAR(medianOf(values({2 * top + 1, 2 * top + kRowsDown - 1}, middle)), kNearPx, 0.5);

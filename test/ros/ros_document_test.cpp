@@ -1,4 +1,5 @@
-// docs/ros.md and docs/stereo_image_proc.md say what the code does, and name tests that there are.
+// Compares docs/ros.md and docs/stereo_image_proc.md with the code, and checks that the tests they
+// name exist.
 
 #include <algorithm>
 #include <filesystem>
@@ -91,7 +92,7 @@ std::vector<std::string> parameterRows(const std::vector<PrivateParameter>& para
   return wanted;
 }
 
-/// Names and types, each as the first two cells of a row.
+/// Names and types, as the first two cells of a row.
 template <typename Inputs>
 void expectInputs(const std::string& heading, const InputTopics& topics) {
   const auto types = Inputs::types();
@@ -145,14 +146,14 @@ TEST(RosDocument, HasTheParametersThatAreNoneOfTheMethod) {
   expectRows("Parameters at run time", wanted);
 }
 
-/// Made by the launch file of its arguments.
+/// Whether the launch file computes the parameter from its arguments.
 bool isMadeOfArguments(const std::string& parameter) {
   return parameter == "unknown_arguments" || parameter == kColorTopicParameter ||
          std::find(kStereoTopicParameters.begin(), kStereoTopicParameters.end(), parameter) !=
              kStereoTopicParameters.end();
 }
 
-/// Every other private parameter can be given to the launch file, with the same default.
+/// Every other private parameter is an argument of the launch file, with the same default.
 TEST(RosDocument, LaunchFileHasThePrivateParameters) {
   const std::string launch = readFile(CBMV_SOURCE_DIR "/launch/stereo.launch");
   for (const PrivateParameter& parameter : stereoPrivateParameters()) {
@@ -178,7 +179,7 @@ TEST(RosDocument, LaunchFileHasThePrivateParameters) {
   }
 }
 
-/// The arguments that a launch file lets its caller give: those without a value of their own.
+/// The arguments that the caller of a launch file can set: those without a fixed value.
 std::set<std::string> argumentsOf(const std::string& launch) {
   const std::regex argument("\\n  <arg name=\"([a-zA-Z0-9_]+)\"( default=\"[^\"]*\")? */>");
   std::set<std::string> names;
@@ -189,7 +190,7 @@ std::set<std::string> argumentsOf(const std::string& launch) {
   return names;
 }
 
-/// They pass on what stereo.launch takes; what they take themselves is documented.
+/// They pass on arguments of stereo.launch; their own arguments are documented.
 TEST(RosDocument, HasTheArgumentsOfTheOtherLaunchFiles) {
   const std::string documented = section("Launch files");
   for (const char* file : {"stereo_image_proc_replacement", "comparison"}) {
@@ -203,7 +204,7 @@ TEST(RosDocument, HasTheArgumentsOfTheOtherLaunchFiles) {
   }
 }
 
-/// What the node takes for unknown arguments.
+/// The list of known arguments, from which the node derives the unknown ones.
 TEST(RosDocument, LaunchFilesKnowTheirArguments) {
   for (const char* file : {"stereo", "stereo_image_proc_replacement", "comparison", "demo"}) {
     const std::string launch = readFile(CBMV_SOURCE_DIR "/launch/" + std::string(file) + ".launch");
@@ -233,7 +234,7 @@ TEST(Replacement, TakesTheArgumentsOfTheStockLaunchFile) {
   }
 }
 
-/// Test programs' names of all tests of this folder, as Suite.Name.
+/// Names of all tests in this folder, as Suite.Name.
 std::set<std::string> allTests() {
   std::set<std::string> names;
   const std::regex definition("\\nTEST(?:_F)?\\((\\w+),\\s*(\\w+)\\)");

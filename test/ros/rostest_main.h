@@ -5,7 +5,7 @@
 
 namespace cbmv {
 
-/// rostest counts the tests that failed. It does not see that a suite could not be set up, which
+/// Fails if a test suite could not be set up. rostest counts failed tests only, and such a suite
 /// skips its tests.
 class SuitesAreSetUp : public testing::Environment {
  public:
@@ -18,7 +18,7 @@ class SuitesAreSetUp : public testing::Environment {
   }
 };
 
-/// main() of the programs that rostest runs.
+/// main() of the rostest programs.
 inline int runRostest(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   testing::AddGlobalTestEnvironment(new SuitesAreSetUp);  // googletest deletes it

@@ -1,5 +1,5 @@
-// Loads a running node with pairs, at multiples of the rate that it manages, and measures what
-// comes out. scripts/soak starts the node and this program, and judges.
+// Publishes pairs to a running node at multiples of its highest rate, and measures the output.
+// scripts/soak starts the node and this program, and evaluates the results.
 
 #include <algorithm>
 #include <chrono>
@@ -31,7 +31,7 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 using nlohmann::json;
 
-constexpr double kTimeoutS = 120;  // of one frame
+constexpr double kTimeoutS = 120;  // per frame
 constexpr int kDifferentPairs = 4;
 
 struct Arguments {
@@ -39,13 +39,13 @@ struct Arguments {
   int height = 480;
   int disparities = 64;
   std::vector<double> factors = {1, 2, 5};
-  double phase_s = 20;   ///< at each factor
-  double warm_up_s = 5;  ///< one frame at a time; their times are the node's frame time
+  double phase_s = 20;   ///< duration per factor
+  double warm_up_s = 5;  ///< one frame at a time; gives the frame time of the node
   pid_t pid = 0;
   std::string output;
 };
 
-/// What the kernel says of a process.
+/// Process data from the kernel.
 struct ProcessState {
   double resident_mb = 0;
   double peak_resident_mb = 0;
@@ -74,14 +74,14 @@ struct ProcessState {
   }
 };
 
-/// What came of one frame.
+/// Result of one frame.
 struct Result {
   ros::Time stamp;
-  double age_ms = 0;      ///< from the stamp to the reception of the disparity
-  double compute_ms = 0;  ///< as the node says; 0 if its status was lost on the way
+  double age_ms = 0;      ///< from the stamp to the arrival of the disparity
+  double compute_ms = 0;  ///< from Status; 0 if the Status message was lost
 };
 
-/// Share `q` of the values are not larger; 0 if there is none.
+/// Quantile `q` of the values; 0 if there are none.
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) {
     return 0;
@@ -98,7 +98,7 @@ std::vector<double> valuesOf(const std::vector<Result>& results, double Result::
   return values;
 }
 
-/// Receives disparities and the node's words about them.
+/// Receives disparities and the Status messages for them.
 class ResultReader {
  public:
   explicit ResultReader(ros::NodeHandle nh) {
@@ -129,7 +129,7 @@ class ResultReader {
     return newest_status_;
   }
 
-  /// All since the last call, in the order of reception.
+  /// All results since the last call, in order of arrival.
   std::vector<Result> take() {
     const std::lock_guard<std::mutex> lock(mutex_);
     for (Result& result : received_) {
@@ -148,7 +148,7 @@ class ResultReader {
   ros::Subscriber statuses_;
 };
 
-/// Two cameras that see a few pairs by turns.
+/// Two cameras that alternate between a few pairs.
 class Source {
  public:
   explicit Source(const Arguments& arguments) {
@@ -212,7 +212,7 @@ class Soak {
   }
 
  private:
-  /// One frame at a time: what the node can do.
+  /// Sends one frame at a time to measure the frame time of the node.
   void measureFrameTime() {
     const auto end = Clock::now() + Seconds(arguments_.warm_up_s);
     do {
@@ -227,7 +227,7 @@ class Soak {
 
   json runPhase(double factor) {
     const double rate_hz = factor * 1000 / frame_ms_;
-    // At this rate for a while first: queues and buffers that it fills are none that grow.
+    // Runs at this rate first, because queues and buffers that it fills do not count as growth.
     publishFor(std::max(1.0, std::min(arguments_.warm_up_s, 0.2 * arguments_.phase_s)), rate_hz);
     reader_.take();
     const cbmv_stereo::Status before = reader_.newestStatus();
@@ -237,7 +237,7 @@ class Soak {
     publishFor(arguments_.phase_s, rate_hz);
     const double elapsed_s = Seconds(Clock::now() - start).count();
     const std::uint64_t published = source_.published() - published_before;
-    const ros::Time last = source_.publish();  // not counted; comes out when all else has
+    const ros::Time last = source_.publish();  // not counted; arrives after all others
     waitFor([&] { return reader_.has(last); }, arguments_.pid, "the last frame");
     std::vector<Result> results = reader_.take();
     results.pop_back();
@@ -274,7 +274,7 @@ class Soak {
     const std::uint64_t bad = now.dropped_bad_input - before.dropped_bad_input;
     const std::uint64_t failed = now.dropped_failed - before.dropped_failed;
     const std::uint64_t seen = now.frames_processed - before.frames_processed + busy + bad + failed;
-    // The first one may be of before, the last one of after the phase.
+    // The first may be from before the phase, the last one from after it.
     const auto lost = static_cast<std::int64_t>(published + 1) - static_cast<std::int64_t>(seen);
     return {{"replaced_by_newer", busy},
             {"bad_input", bad},
@@ -282,7 +282,7 @@ class Soak {
             {"before_the_node", lost}};
   }
 
-  /// Medians over parts of the time; of the first and the last tenth, besides.
+  /// Medians over parts of the time, including the first and the last tenth.
   json memory() const {
     const std::size_t tenth = std::max<std::size_t>(1, samples_.size() / 10);
     const std::size_t first_of_last = samples_.size() - tenth;
@@ -312,8 +312,8 @@ class Soak {
     return median(values);
   }
 
-  /// A frame waits for the one in work before it at most: ages in frame times are multiples of the
-  /// longer frame time of the two, so that what else runs on the machine hardly counts.
+  /// A frame waits at most for one frame in progress. Ages are given as multiples of the longer
+  /// frame time of the two, so that other load on the machine has little effect.
   json ages(const std::vector<Result>& results) const {
     std::vector<double> frames;
     double time_before_ms = 0;
@@ -345,7 +345,7 @@ class Soak {
   Source source_;
   ResultReader reader_;
   double frame_ms_ = 0;
-  double overhead_ms_ = 0;  ///< of a frame, without the method
+  double overhead_ms_ = 0;  ///< per frame, without the method
   std::vector<ProcessState> samples_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 using sensor_msgs::Image;
 using Stamps = std::vector<double>;
 
-constexpr double kDelayS = 0.02;  // of the right camera, where stamps need not be equal
+constexpr double kDelayS = 0.02;  // delay of the right camera if stamps need not be equal
 
 boost::shared_ptr<const Image> at(double stamp_s) {
   auto message = boost::make_shared<Image>();
@@ -32,7 +32,7 @@ class Pairing : public testing::Test {
   void addRight(double stamp_s) { pairing_.add<1>(at(stamp_s)); }
 
   Stamps paired_;    ///< stamps of the left messages
-  Stamps partners_;  ///< of the right ones
+  Stamps partners_;  ///< stamps of the right messages
   StampPairing<Image, Image> pairing_;
 };
 
@@ -42,7 +42,7 @@ class Streams : public Pairing, public testing::WithParamInterface<bool> {
   Streams() : Pairing({5, GetParam(), 0.1}) {}
 
   double delayS() const { return GetParam() ? kDelayS : 0; }
-  /// Frames at 10 Hz; returns their stamps.
+  /// Adds frames at 10 Hz; returns their stamps.
   Stamps addFrames(double start_s, int count, bool left = true, bool right = true) {
     Stamps stamps;
     for (int i = 0; i < count; ++i) {
@@ -57,8 +57,8 @@ class Streams : public Pairing, public testing::WithParamInterface<bool> {
     }
     return stamps;
   }
-  /// All of `frames` have come, in order and once, but the last one may still be waiting for the
-  /// next message where stamps differ.
+  /// Expects all of `frames` once and in order. With different stamps, the last one may still wait
+  /// for the next message.
   void expectPairs(const Stamps& frames) {
     Stamps wanted = frames;
     if (GetParam()) {
@@ -95,8 +95,8 @@ TEST_P(Streams, AnEarlierTimeAfterOneCameraWasSilentAndInputsWereClosed) {
 TEST_P(Streams, RecordingsThatLoop) {
   for (int loop = 0; loop < 3; ++loop) {
     const Stamps frames = addFrames(1000, 10);
-    addFrames(1001, 7, true, false);  // cut off: nothing of the right camera
-    // The next message, which makes the last pair certain, is there.
+    addFrames(1001, 7, true, false);  // interrupted: no message of the right camera
+    // The next message has arrived, which makes the last pair certain.
     EXPECT_EQ(paired_, frames);
     paired_.clear();
     partners_.clear();
@@ -107,7 +107,7 @@ TEST_P(Streams, LeapsOfBothCameras) {
   for (const double start_s : {1000.0, 5e6, 20.0, 4e9, 19.0}) {
     SCOPED_TRACE(start_s);
     const Stamps frames = addFrames(start_s, 8);
-    if (!paired_.empty() && paired_.front() != frames.front()) {  // has become certain by the leap
+    if (!paired_.empty() && paired_.front() != frames.front()) {  // became certain by the jump
       paired_.erase(paired_.begin());
       partners_.erase(partners_.begin());
     }
@@ -126,20 +126,20 @@ TEST_P(Streams, OneCameraLeapsAheadForAWhile) {
 
 TEST_P(Streams, OneCameraFallsBackForAWhile) {
   for (int i = 0; i < 8; ++i) {
-    addLeft(0);  // stamps that are not set
+    addLeft(0);  // unset stamps
     addRight(1000 + 0.1 * i);
   }
   expectPairs(addFrames(1000.8, 8));
 }
 
-/// As many messages wait as may, all of a later time, but of one that is not another time yet.
+/// The queue is full of messages with a later time that does not yet count as another time.
 TEST_P(Streams, ASmallStepBackHoldsNothingUp) {
   for (int i = 0; i < 5; ++i) {
     addLeft(1000.25 + 0.05 * i);
   }
   const Stamps frames = addFrames(1000, 8);
   if (GetParam()) {
-    EXPECT_GE(paired_.size(), frames.size() - 2);  // some of them with those that waited
+    EXPECT_GE(paired_.size(), frames.size() - 2);  // some of them with the waiting ones
     EXPECT_EQ(paired_.back(), frames[frames.size() - 2]);
   } else {
     EXPECT_EQ(paired_, frames);
@@ -211,7 +211,8 @@ TEST_F(Pairing, OneMayWaitForItsPartner) {
   EXPECT_EQ(paired_, (Stamps{1, 1.1}));
 }
 
-/// A simulation that is reset: what waits has nothing to do with what comes, be its stamp the same.
+/// A simulation that is reset: waiting messages do not belong to new ones, even if the stamps are
+/// equal.
 TEST_F(Pairing, WhatWaitsOfATimeBeforeAJumpIsDropped) {
   addLeft(10);
   addRight(9.9);
@@ -229,7 +230,7 @@ TEST_F(Pairing, StampsThatComeTwice) {
   addLeft(7);
   addLeft(7);
   addRight(7);
-  addRight(7);  // its partner went with the pair
+  addRight(7);  // its partner was dropped with the pair
   EXPECT_EQ(paired_, (Stamps{0, 0, 0, 7}));
 }
 

@@ -16,7 +16,7 @@
 
 namespace cbmv {
 
-/// The other side of the node: cameras, consumer, log reader and operator.
+/// Counterpart of the node: cameras, subscriber, log reader and operator.
 class StereoClient {
  public:
   ~StereoClient() {
@@ -32,7 +32,7 @@ class StereoClient {
     withEach([](auto& output, const char*) { output.unsubscribe(); });
   }
 
-  /// Calls use(collector, topic) with each output.
+  /// Calls use(collector, topic) for each output.
   template <typename Use>
   void withEach(const Use& use) {
     use(disparity, "disparity");
@@ -58,7 +58,7 @@ class StereoClient {
     return all;
   }
 
-  /// Sets all run-time parameters; returns what the node made of those of the method.
+  /// Sets all run-time parameters; returns the resulting options of the method.
   StereoOptions setOptions(const StereoOptions& options, double min_confidence = 0) {
     auto config = cbmv_stereo::StereoConfig::__getDefault__();
     writeConfig(options, config);

@@ -54,7 +54,7 @@ class Diagnostics : public testing::Test {
  protected:
   Diagnostics() { diagnostics_.setWanted(true, at(0)); }
 
-  /// A pair every `period_s` from `start_s` on, 5 s long, each processed at once.
+  /// A pair every `period_s` from `start_s`, for 5 s, each processed immediately.
   void run(double start_s, double period_s, double age_ms = 100) {
     for (double time_s = start_s; time_s < start_s + 5; time_s += period_s) {
       diagnostics_.received(at(time_s));
@@ -183,7 +183,7 @@ TEST_F(Diagnostics, CalibrationTellsTheLastFaultAndWhen) {
   EXPECT_EQ(good.values.at("image size"), "64 x 48 px");
   EXPECT_EQ(good.values.at("last fault"), "right/camera_info has P[3] = 3");
   EXPECT_EQ(good.values.at("time since the last fault (s)"), "5");
-  diagnostics_.dropped(FrameDrop::kFailed, "out of memory", at(7));  // not the input's fault
+  diagnostics_.dropped(FrameDrop::kFailed, "out of memory", at(7));  // not caused by the input
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeCalibration, 7).level,
             DiagnosticStatus::OK);
 }
@@ -240,7 +240,7 @@ TEST_F(Diagnostics, WhatIsNotMeasuredIsNoWarning) {
   const Report unknown = report(diagnostics_, &StereoDiagnostics::describeRectification, 1);
   EXPECT_EQ(unknown.level, DiagnosticStatus::OK);
   expectHolds(unknown.message, "not measured");
-  EXPECT_TRUE(misalignmentWarning(makeFrame(5), 0).empty());  // no bound
+  EXPECT_TRUE(misalignmentWarning(makeFrame(5), 0).empty());  // no limit
 }
 
 TEST(RecentValues, ForgetsWhatIsOld) {

@@ -36,7 +36,7 @@ inline StereoPair renderPair(cv::Size size, int far_px, int near_px, std::uint64
   return pair;
 }
 
-/// The cameras of the pair: verged if cx_left_px and cx_right_px differ.
+/// The cameras of the pair; toed in if cx_left_px and cx_right_px differ.
 struct Rig {
   double focal_length_px = 120;
   double baseline_m = 0.25;
@@ -81,7 +81,7 @@ inline sensor_msgs::CameraInfoPtr makeInfo(const Rig& rig, bool right, cv::Size 
   return info;
 }
 
-/// Messages of a synchronised pair that may still be changed.
+/// Modifiable messages of a synchronized pair.
 struct PairMessages {
   sensor_msgs::ImagePtr left_image;
   sensor_msgs::CameraInfoPtr left_info;

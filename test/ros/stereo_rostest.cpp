@@ -1,5 +1,5 @@
-// Run by stereo_node.test and stereo_nodelet.test: everything the running node promises, seen from
-// outside, against the core called in this process.
+// Run by stereo_node.test and stereo_nodelet.test: compares all outputs of the running node with
+// the core called in this process.
 
 #include <cmath>
 #include <cstring>
@@ -21,7 +21,7 @@ const cv::Size kSize(125, 81);
 constexpr int kFarPx = 4;
 constexpr int kNearPx = 9;
 
-/// Small, and the same at every run: the vertical offset is estimated from one pair only.
+/// Fast and reproducible: the vertical offset is estimated from one pair only.
 StereoOptions testOptions() {
   StereoOptions options;
   options.range = {0, 16};
@@ -29,14 +29,14 @@ StereoOptions testOptions() {
   return options;
 }
 
-/// What the core finds, with the vertical offset that the node reports.
+/// Result of the core, with the vertical offset that the node reports.
 StereoResult expectedResult(const StereoPair& pair, const StereoOptions& options,
                             const VerticalOffset& offset = {}) {
   StereoMatcher matcher(std::make_shared<const Forest>(makeForestFixture()), options);
   return matcher.match(pair.left, pair.right, offset);
 }
 
-/// The bytes of a message's image as a matrix.
+/// The image of a message as a matrix.
 cv::Mat asMat(const sensor_msgs::Image& message, int type) {
   return cv::Mat(static_cast<int>(message.height), static_cast<int>(message.width), type,
                  const_cast<std::uint8_t*>(message.data.data()), message.step);
@@ -150,13 +150,13 @@ void expectDisparityColor(const sensor_msgs::Image& message, const PairMessages&
         const double share = (d - expected.range.min) / (expected.range.count - 1.0);
         wanted = map.at<cv::Vec3b>(0, cv::saturate_cast<uchar>(255 * share));
       }
-      // One level of rounding apart is not seen.
+      // Allows a difference of one level of rounding.
       ASSERT_LE(cv::norm(published.at<cv::Vec3b>(y, x), wanted, cv::NORM_INF), 12);
     }
   }
 }
 
-/// Both depth images and the mask, pixel by pixel.
+/// Compares both depth images and the mask pixel by pixel.
 void expectDepth(const StereoClient& client, const PairMessages& sent, const StereoResult& expected,
                  const Rig& rig) {
   const ros::Time stamp = sent.left_image->header.stamp;
@@ -199,11 +199,11 @@ void expectCameraInfo(const sensor_msgs::CameraInfo& info, const PairMessages& s
 
 class StereoTopics : public ::testing::Test {
  protected:
-  /// One client for all tests: connecting takes longer than they do.
+  /// One client for all tests, because connecting takes longer than the tests.
   static void SetUpTestSuite() {
     shared_client = std::make_unique<StereoClient>();
     StereoClient& client = *shared_client;
-    client.setOptions(testOptions());  // the node is up
+    client.setOptions(testOptions());  // wait until the node is up
     client.subscribeAll();
     ASSERT_TRUE(waitFor([&] {
       return client.cameras.pairIsWanted() && client.cameras.colorIsWanted() &&
@@ -242,7 +242,7 @@ class StereoTopics : public ::testing::Test {
     expectDisparityColor(client_.disparity_color.at(stamp), sent, expected);
   }
 
-  /// The pair that follows a bad one has to come out right.
+  /// Checks that the pair after a bad one is processed correctly.
   void expectAlive() { expectOutputsOf(expectedResult(pair_, options_)); }
 
   std::uint64_t badInputsSoFar() {
@@ -252,8 +252,8 @@ class StereoTopics : public ::testing::Test {
     return client_.status.at(sent.left_image->header.stamp).dropped_bad_input;
   }
 
-  /// Sends what `spoil` makes of a good pair: it has to be dropped with a warning that holds
-  /// `words`, and be counted.
+  /// Sends the pair changed by `spoil`. Expects that it is dropped with a warning that contains
+  /// `words`, and counted.
   void expectDropped(const std::function<void(PairMessages&)>& spoil,
                      const std::vector<std::string>& words) {
     const std::uint64_t before = badInputsSoFar();
@@ -275,7 +275,7 @@ class StereoTopics : public ::testing::Test {
 
 TEST_F(StereoTopics, EveryFieldOfEveryOutputIsTheCores) {
   const StereoResult expected = expectedResult(pair_, options_);
-  int right = 0;  // guards against comparing nonsense with nonsense
+  int right = 0;  // ensures that the compared results are meaningful
   for (int y = 0; y < kSize.height; ++y) {
     for (int x = 0; x < kSize.width; ++x) {
       right += std::abs(expected.disparity.at<float>(y, x) - pair_.disparity.at<int>(y, x)) < 1;
@@ -325,7 +325,7 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   options.rectification.enabled = true;
   options_ = client_.setOptions(options);
 
-  // Estimates run beside the stream: the model takes effect a few frames after the first one.
+  // Estimates run in parallel to the stream; the model takes effect a few frames after the first.
   PairMessages sent;
   ros::Time stamp;
   ASSERT_TRUE(waitFor([&] {
@@ -374,7 +374,7 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
     }
     const PairMessages sent = makeGoodMessages();
     client_.cameras.publishColor(makeImage(color, encoding, sent.left_image->header));
-    wait(0.2);  // colour is taken only if it is there
+    wait(0.2);  // color is used only if it has arrived
     client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
     expectAll(sent, expected, bgr);
@@ -440,7 +440,7 @@ TEST_F(StereoTopics, NewestFrameWins) {
   constexpr int kFrames = 15;
   ros::Time last;
   for (int i = 0; i < kFrames; ++i) {
-    wait(0.01);  // else messages would pile up before the node
+    wait(0.01);  // otherwise messages would queue up before the node
     last = ros::Time::now();
     client_.cameras.publish(makeMessages(pair_, rig_, last));
   }
@@ -506,7 +506,7 @@ TEST_F(StereoTopics, UncertainPixelsAreInvalid) {
   expectOutputsOf(expected);
 }
 
-/// Different regions of both sensors, read out with binning: cx of the images differ by more than
+/// Regions of the sensors differ and are read out with binning: cx of the images differ more than
 /// those of the cameras.
 TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
   PairMessages sent = makeGoodMessages();
@@ -550,7 +550,7 @@ TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {
   expectAlive();
 }
 
-/// The first pair of a size is measured; what is published has the range that was searched.
+/// The first pair of a size is measured; the published range is the searched range.
 TEST_F(StereoTopics, AnAutomaticRangeIsFound) {
   StereoOptions options = testOptions();
   options.range.count = 0;
@@ -591,7 +591,7 @@ TEST_F(StereoTopics, ParametersAreCorrectedAndTheCorrectionIsReported) {
 
 TEST(LazySubscription, InputsAreSubscribedOnlyWhileAnOutputIs) {
   StereoClient client;
-  client.setOptions(testOptions());  // the node is up
+  client.setOptions(testOptions());  // wait until the node is up
   EXPECT_FALSE(waitFor([&] { return client.cameras.anyIsWanted(); }, 0.3));
   ros::NodeHandle nh;
   client.withEach([&](auto& output, const std::string& topic) {

@@ -40,7 +40,7 @@ TEST(SyncAdvice, ClocksThatDifferNeedToBeSynchronized) {
     }
   }
   EXPECT_TRUE(mentions(syncAdvice(kEqual, apart(50 * 365.25 * 86400)), {"50.0 years"}));
-  EXPECT_FALSE(suggestsApproximateSync(syncAdvice(kEqual, apart(2, 10))));  // of slow cameras, too
+  EXPECT_FALSE(suggestsApproximateSync(syncAdvice(kEqual, apart(2, 10))));  // also for slow cameras
 }
 
 TEST(SyncAdvice, StampsThatAreNotSetAreNamed) {

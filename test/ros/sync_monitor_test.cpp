@@ -14,8 +14,8 @@ const SyncOptions kEqual{5, false, 0.1};
 
 ros::SteadyTime at(double seconds) { return ros::SteadyTime(100 + seconds); }
 
-/// Ten seconds at 10 Hz on each of the first `topics` topics; stamps of topic i are late by
-/// i * delay_s.
+/// Ten seconds at 10 Hz on each of the first `topics` topics; stamps of topic i are late by i *
+/// delay_s.
 void receiveTenSeconds(SyncMonitor& monitor, std::size_t topics, double delay_s) {
   for (int frame = 0; frame < 100; ++frame) {
     for (std::size_t topic = 0; topic < topics; ++topic) {
@@ -40,7 +40,7 @@ TEST(SyncMonitor, SaysWhichTopicsArriveAtWhatRates) {
   EXPECT_TRUE(mentions(report, {"10 s", "/s/left 10.0 Hz", "/s/left_info 10.0 Hz",
                                 "/s/right nothing (it has a publisher)",
                                 "/s/right_info nothing (nobody publishes it)"}));
-  EXPECT_EQ(report.find("approximate_sync"), std::string::npos) << report;  // not the trouble
+  EXPECT_EQ(report.find("approximate_sync"), std::string::npos) << report;  // not the cause
 }
 
 TEST(SyncMonitor, SaysHowFarStampsAreApart) {

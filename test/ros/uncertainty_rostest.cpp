@@ -1,6 +1,6 @@
-// Run by configuration.test: how sure the node is of what it publishes, on a rendered pair. The
-// standard deviation is compared where the forest of the test tells it, else the warning is
-// awaited.
+// Run by configuration.test: confidence and standard deviation of the outputs, on a rendered pair.
+// If the test's forest provides the standard deviation, it is compared; otherwise the warning is
+// expected.
 
 #include <cmath>
 #include <cstring>
@@ -33,7 +33,7 @@ cv::Mat_<float> floatsOf(const sensor_msgs::Image& message) {
   return copy;
 }
 
-/// A field of all points; fails if it is no float.
+/// A field of all points; fails if it is not a float.
 cv::Mat_<float> fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string& name) {
   cv::Mat_<float> values(static_cast<int>(cloud.height), static_cast<int>(cloud.width), 0.0F);
   for (const auto& field : cloud.fields) {
@@ -50,7 +50,7 @@ cv::Mat_<float> fieldOf(const sensor_msgs::PointCloud2& cloud, const std::string
   return values;
 }
 
-/// The same values, and none (NaN) in the same places.
+/// Expects the same values, and NaN in the same places.
 void expectSame(const cv::Mat_<float>& found, const cv::Mat_<float>& expected, const char* what) {
   ASSERT_EQ(found.size(), expected.size()) << what;
   for (int y = 0; y < found.rows; ++y) {
@@ -83,10 +83,10 @@ class Uncertainty : public testing::Test {
       return cameras_.pairIsWanted() && disparity_.isConnected() && depth_.isConnected() &&
              confidence_.isConnected() && depth_sigma_.isConnected() && points_.isConnected();
     }));
-    wait(0.2);  // until the node knows of all subscribers
+    wait(0.2);  // until the node has all subscribers
   }
 
-  /// What the core finds, without `min_confidence`.
+  /// Result of the core, without `min_confidence`.
   StereoResult expectedResult() const {
     StereoOptions options;
     options.range = {0, 16};

@@ -7,7 +7,7 @@
 
 namespace cbmv {
 
-/// Calls back until `done` or until the time is over; returns whether it is done.
+/// Processes callbacks until `done` is true or the timeout has passed; returns whether it is done.
 inline bool waitFor(const std::function<bool()>& done, double timeout_s = 30) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
   while (ros::ok() && !done() && ros::WallTime::now() < end) {

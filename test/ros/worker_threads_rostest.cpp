@@ -1,4 +1,4 @@
-// Run by worker_threads.test: a nodelet that matches all the time, and another one, in a manager
+// Run by worker_threads.test: a nodelet that matches continuously and another one, in a manager
 // with one worker thread.
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 namespace cbmv {
 namespace {
 
-const cv::Size kBusySize(800, 600);  // takes a second and more
+const cv::Size kBusySize(800, 600);  // takes at least a second
 const cv::Size kLightSize(31, 22);
 constexpr std::size_t kFrames = 3;
 
@@ -42,7 +42,7 @@ class WorkerThreads : public testing::Test {
            light_disparity_.getNumSubscribers() > 0;
   }
 
-  /// Until the light nodelet has answered; the other one always has the next frame.
+  /// Waits until the light nodelet has answered; the other one always has the next frame.
   void waitForAnswer() {
     busy_.publish(makeMessages(busy_pair_, {}, ros::Time::now()));
     const PairMessages sent = makeMessages(light_pair_, {}, ros::Time::now());
@@ -72,7 +72,7 @@ TEST_F(WorkerThreads, AreFreeWhileAFrameIsMatched) {
     ++answers;
   }
   std::printf("%zu answers during %zu frames\n", answers, status_.count());
-  // Were a frame matched in the worker thread, an answer would wait for the end of it.
+  // If a frame were matched in the worker thread, an answer would wait for its end.
   EXPECT_GE(answers, 5 * kFrames);
 }
 

@@ -1,4 +1,4 @@
-// Writes the forest of forest_fixture.h: the node under test reads it when it is launched.
+// Writes the forest of forest_fixture.h to a file, which the node under test reads at its start.
 
 #include "forest/forest_file.h"
 #include "support/forest_fixture.h"

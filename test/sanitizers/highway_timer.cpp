@@ -1,5 +1,5 @@
-// Loaded before Highway's library under valgrind, which does not know the instruction that reads
-// the clock when that library starts. Nothing of ours reads it.
+// Loaded before the Highway library under valgrind, which does not support the instruction for
+// reading the clock that the library uses at its start. This package does not use the clock.
 namespace hwy::platform {
 
 // NOLINTNEXTLINE(readability-identifier-naming): Highway's name

@@ -1,5 +1,5 @@
-// A race in a parallel loop, which ThreadSanitizer must find in spite of all that is suppressed: the
-// test passes when this program fails.
+// A race in a parallel loop, which ThreadSanitizer must find despite all suppressions. The test
+// passes if this program fails.
 
 #include <atomic>
 
@@ -11,7 +11,7 @@ int main() {
   tbb::parallel_for(0, 2, [&](int) {
     ++arrived;
     for (long spins = 0; arrived < 2 && spins < 1000000000L; ++spins) {
-    }  // so that two threads do it
+    }  // so that two threads run it
     ++unguarded;
   });
   return unguarded < 0 ? 2 : 0;

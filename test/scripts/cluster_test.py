@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""scripts/cluster with a Slurm of its own: cluster_test.py CBMV_BAG FOREST. Skipped (exit status 77)
-without CBMV_TEST_CLUSTER=1, for it takes minutes and needs Slurm and munge."""
+"""Tests scripts/cluster with a private Slurm. Usage: cluster_test.py CBMV_BAG FOREST. Skipped (exit status 77)
+without CBMV_TEST_CLUSTER=1, because it takes minutes and needs Slurm and munge."""
 
 import os
 import pathlib
@@ -21,7 +21,7 @@ PROGRAM = FOREST = None  # from the command line
 
 
 def write_recording(path):
-    """Frames that differ, and words beside them."""
+    """Writes a bag with different frames, and messages of another topic."""
     import numpy
     import rosbag
     import rospy
@@ -127,11 +127,11 @@ class ClusterTest(unittest.TestCase):
                               stdout=subprocess.PIPE, text=True).stdout
 
     def wait_for_part(self, number):
-        """Until a shard has kept frames."""
+        """Waits until a shard has stored frames."""
         self.wait_for(lambda: list(self.shards.glob(f"shard-{number:04d}.bag.part.0*")))
 
     def finish(self):
-        """Until nothing is in the queue; Slurm would wait for two minutes before it restarts a task."""
+        """Waits until the queue is empty. Releases restarted tasks, which Slurm would delay by two minutes."""
         def done():
             for line in self.slurm.run("squeue", "--noheader", "--array", "--format=%i %r").splitlines():
                 job, reason = line.split(maxsplit=1)
@@ -166,7 +166,7 @@ class ClusterTest(unittest.TestCase):
         self.wait_for_part(2)
         self.slurm.run("scontrol", "requeue", self.task(2))
         self.wait_for_part(3)
-        self.slurm.run("scancel", "--batch", "--signal=USR1", self.task(3))  # the time is nearly over
+        self.slurm.run("scancel", "--batch", "--signal=USR1", self.task(3))  # the time limit is nearly reached
         self.finish()
         self.expect_whole()
         self.assertIn("ended by signal 9", self.log(1))

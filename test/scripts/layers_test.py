@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Checks that no folder of src/ includes a header of a higher one.
+"""Checks that no folder of src/ includes a header of a higher folder.
 
-docs/method.md states the order: the line of folder names behind "Order of the folders:".
+docs/method.md states the order in the line after "Order of the folders:".
 """
 import pathlib
 import re

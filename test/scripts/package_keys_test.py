@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Every dependency in package.xml is a rosdep key that Ubuntu 20.04 (focal) and Debian 12 (bookworm) know.
+"""Checks that rosdep has a key for every dependency in package.xml on Ubuntu 20.04 (focal) and Debian 12
+(bookworm).
 
 SYSTEM holds keys of rosdep/base.yaml and rosdep/python.yaml of github.com/ros/rosdistro with packages for
 both, NOETIC names of packages in its noetic/distribution.yaml. Look a new key up there before it is added.

@@ -1,4 +1,4 @@
-"""A Slurm of one node for a test: its own munge, ports and files, all below one folder."""
+"""A private Slurm with one node for tests: it has its own munge and ports, and all files in one folder."""
 
 import contextlib
 import getpass
@@ -58,7 +58,7 @@ def free_ports(count):
 
 
 class PrivateSlurm:
-    """Runs from `start` to `stop`; `environment` is for programs that talk to it."""
+    """Runs from `start` to `stop`; `environment` is for programs that use it."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -94,7 +94,7 @@ class PrivateSlurm:
         self._wait_for(lambda: not self.run("squeue", "--noheader"))
 
     def run(self, *command):
-        """Standard output."""
+        """Runs a command and returns its standard output."""
         done = subprocess.run([find(command[0]), *command[1:]], env=self.environment, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         return done.stdout

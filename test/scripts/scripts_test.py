@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the scripts say of wrong arguments: one sentence, exit status 2."""
+"""Checks error messages and exit status 2 of the scripts for invalid arguments."""
 
 import os
 import pathlib
@@ -27,7 +27,7 @@ class ScriptTest(unittest.TestCase):
         path.chmod(0o755)
 
     def refuses(self, script, *arguments, says, lines=1, **environment):
-        """Checks for a refusal whose last line begins with the script's name and holds `says`."""
+        """Expects an error whose last line begins with the script's name and contains `says`."""
         variables = {name: value for name, value in os.environ.items() if name != "CBMV_DATA"}
         variables.update({name: str(value) for name, value in environment.items()})
         done = subprocess.run([SCRIPTS / script, *map(str, arguments)], env=variables, check=False,
@@ -199,8 +199,8 @@ echo '{"frames": 90, "width": 640, "height": 480, "processor_ms": 100.0, "proble
 
 
 class Cluster(ScriptTest):
-    """Planning and submitting by programs that only write down what they are asked; with a real Slurm:
-    cluster_test.py."""
+    """Tests planning and submitting with fake Slurm programs that record their arguments. cluster_test.py uses
+    a real Slurm."""
 
     def setUp(self):
         super().setUp()
@@ -216,7 +216,7 @@ class Cluster(ScriptTest):
         self.shards = self.folder / "out.bag.shards"
 
     def submit(self, *more):
-        """What the script prints, and what it asks Slurm for."""
+        """Returns the output of the script and its Slurm commands."""
         self.asked.write_text("")
         done = subprocess.run([SCRIPTS / "cluster/submit", self.bag, self.output, "--shards", "4", *more],
                               env={**os.environ, "PATH": self.path}, check=False,

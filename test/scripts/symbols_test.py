@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that a shared library exports what the public headers mark with CBMV_API, and nothing else.
+"""Checks that a shared library exports exactly the symbols marked with CBMV_API in the public headers.
 
 Usage: symbols_test.py LIBRARY
 """

@@ -19,7 +19,7 @@ int at(const cv::Mat& image, int y, int x) {
   return image.at<uchar>(std::clamp(y, 0, image.rows - 1), std::clamp(x, 0, image.cols - 1));
 }
 
-/// The cost of the header, by plain loops.
+/// The cost of the header, computed with plain loops.
 class Reference {
  public:
   Reference(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
@@ -133,7 +133,7 @@ TEST(MutualMatches, EqualTheReferenceOnEveryInstructionSet) {
                                    {{12, 5}, {-20, 50}}, {{9, 3}, {20, 4}},   {{41, 1}, {0, 12}},
                                    {{97, 26}, {0, 31}}};
   test::onEverySimdTarget([&] {
-    MutualMatcher matcher;  // keeps its memory from case to case
+    MutualMatcher matcher;  // reused for all cases
     for (const Case& c : cases) {
       expectReference(matcher, c);
     }
@@ -142,7 +142,7 @@ TEST(MutualMatches, EqualTheReferenceOnEveryInstructionSet) {
   });
 }
 
-/// A pole that a coarse level does not see.
+/// A pole that is not visible at a coarse level.
 TEST(MutualMatches, FindAThinPole) {
   cv::Mat left(40, 160, CV_8UC1);
   cv::randu(left, 0, 256);

@@ -21,7 +21,7 @@ cv::Mat makeTexture(const cv::Size& size, int seed) {
   return texture;
 }
 
-/// A plane at that disparity, which may be negative.
+/// A plane at this disparity, which may be negative.
 Pair makePlane(const cv::Size& size, int disparity) {
   const int reach = std::abs(disparity);
   const cv::Mat texture = makeTexture({size.width + 2 * reach, size.height}, 1);
@@ -29,7 +29,7 @@ Pair makePlane(const cv::Size& size, int disparity) {
           texture(cv::Rect({reach + disparity, 0}, size)).clone()};
 }
 
-/// Puts a textured object before the scene; `place` is that in the left image.
+/// Adds a textured object in front of the scene; `place` is its position in the left image.
 void addObject(const cv::Rect& place, int disparity, const Pair& pair) {
   const cv::Mat texture = makeTexture(place.size(), 2);
   texture.copyTo(pair.left(place));

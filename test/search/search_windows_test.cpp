@@ -55,7 +55,7 @@ void expectWindows(SearchWindows& windows, cv::Size size, const DisparityRange& 
   cv::RNG random(seed);
   cv::Mat_<float> coarse(size.height / 2, size.width / 2);
   random.fill(coarse, cv::RNG::UNIFORM, range.min / 2.0 - 2, range.max() / 2.0 + 2);
-  coarse.setTo(kInvalid, coarse > range.max() / 4.0);  // most of them
+  coarse.setTo(kInvalid, coarse > range.max() / 4.0);  // most pixels
   cv::Mat_<std::int16_t> matches(size);
   random.fill(matches, cv::RNG::UNIFORM, 0, range.count);
   for (std::int16_t& match : matches) {

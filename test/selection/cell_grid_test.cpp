@@ -10,7 +10,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Values of the whole range of the type.
+/// Values in the whole range of the type.
 template <typename Value>
 cv::Mat makeMap(const cv::Size& size, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -36,7 +36,7 @@ void expectNaiveMeans(const cv::Mat& map, CellGrid& grid) {
   }
 }
 
-/// Of all types and of sizes that are no multiple of a cell; one object for all.
+/// All types, and sizes that are not multiples of a cell; one object for all.
 TEST(CellGrid, MeansAreThoseOfThePixels) {
   CellGrid grid;
   for (const cv::Size size : {cv::Size(1, 1), {3, 2}, {4, 4}, {5, 9}, {43, 1}, {2, 31}, {30, 23}}) {
@@ -57,7 +57,7 @@ TEST(CellGrid, RoundsNegativeMeansDown) {
   EXPECT_EQ(means.at<std::int32_t>(0, 0), -1);
 }
 
-/// Its sums are the largest that 32 bits have to hold.
+/// The sums are the largest that must fit into 32 bits.
 TEST(CellGrid, TakesTheHighestValuesInTheLargestWindow) {
   CellGrid grid;
   grid.sum(cv::Mat(20, 30, CV_16UC1, cv::Scalar(65535)));

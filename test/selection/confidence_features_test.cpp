@@ -17,7 +17,7 @@ ConfidenceCodes makeCodes() {
   return ConfidenceCodes(shape);
 }
 
-/// Of the pixels [x, x + count) of a row.
+/// Checks the pixels [x, x + count) of a row.
 void expectNaiveFeatures(const MapPlanes& planes, ConfidenceFeatures& features, int y, int x,
                          int count) {
   ConfidenceCodes codes = makeCodes();
@@ -66,7 +66,7 @@ TEST(ConfidenceFeatures, DoNotDependOnTheBlocks) {
                       ConfidenceFeatures::kBlock);
 }
 
-/// Of far more than a byte holds.
+/// Values far above the range of a byte are clamped.
 TEST(ConfidenceFeatures, OfLargeDisparitiesAreCutOff) {
   expectNaiveFeatures({9, 30, {0, 4096}}, Content::kNoise, ConfidenceFeatures::kBlock);
   expectNaiveFeatures({9, 30, {-2048, 4096}}, Content::kNoise, ConfidenceFeatures::kBlock);

@@ -55,7 +55,7 @@ TEST(ConfidentNeighbors, AreTheNearestOnes) {
   });
 }
 
-/// Wider than the columns of a task, with one neighbor that is farther away than a byte counts.
+/// Wider than the columns of a task, with one neighbor at a distance that exceeds a byte.
 TEST(ConfidentNeighbors, AreFoundFarAway) {
   for (const cv::Size size : {cv::Size(600, 3), {3, 600}}) {
     cv::Mat confidence(size, CV_8UC1, cv::Scalar(ConfidentNeighbors::kConfident - 1));

@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Confidence,
                                           testing::Values(View::kLeft),
                                           testing::Values(Content::kNoise, Content::kPatches)));
 
-/// Some pixels are confident and some are not, or the tests tell little.
+/// Requires both confident and other pixels, or the tests would be meaningless.
 TEST(MapConfidence, DependsOnThePixelOnly) {
   MapConfidence confidence(mapForest(), "some.forest");
   for (const std::size_t threads : {1, 2}) {

@@ -13,7 +13,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Of the steps to the next pixels; there are none beyond the border.
+/// Roughness from the differences to the adjacent pixels; outside the border there are none.
 int naiveRoughness(const cv::Mat& disparity, int y, int x) {
   const auto at = [&](int row, int column) -> double {
     return disparity.at<float>(std::min(row, disparity.rows - 1),
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Planes,
                                           testing::Values(View::kLeft),
                                           testing::Values(Content::kNoise, Content::kPatches)));
 
-/// 16 bits hold no more.
+/// Values above the range of 16 bits are clamped.
 TEST(MapPlanes, CutDisparitiesOff) {
   RandomMaps maps = makeJudgedMaps({6, 9, {2048, 4096}}, Content::kNoise, 6);
   MapPlanes planes;

@@ -24,7 +24,7 @@ struct Maps {
   cv::Mat sigma;
 };
 
-/// What is chosen for a pixel: a proposal, in units of the planes, and how probable it is.
+/// The choice for a pixel: a proposal, in units of the planes, and its probability.
 struct Choice {
   int source = 0;
   int disparity = 0;
@@ -84,8 +84,8 @@ class NaiveSelector {
         forest_.confidence->roughnessBin(static_cast<std::uint8_t>(roughness)), byte);
   }
 
-  /// The most probable proposal of at least that disparity, the first of several; the pixel's own
-  /// as the confidence forest judges it where there is no other.
+  /// The most probable proposal with a disparity of at least `least`, the first of several. Without
+  /// proposals, the pixel's own disparity with the confidence of the confidence forest.
   std::optional<Choice> choose(int y, int x, bool has_disparity, int least) const {
     const auto proposals = naiveProposals(planes_.disparity, confidence_, y, x);
     std::optional<Choice> best;
@@ -126,7 +126,7 @@ std::shared_ptr<const Forest> makeSelecting() {
   return forest;
 }
 
-/// As the matcher calls it: the maps that change are those that are judged.
+/// Called as in the matcher: the input maps are modified.
 Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
   RandomMaps copy = maps;
   Maps selected{maps.disparity.clone(), maps.probability.clone(), cv::Mat()};
@@ -193,7 +193,7 @@ TEST(MapSelector, DependsOnThePairOnly) {
   }
 }
 
-/// Equal scores of all proposals change nothing but by the median.
+/// With equal scores of all proposals, only the median changes the maps.
 TEST(MapSelector, KeepsThePixelsOwnOnTies) {
   auto forest = std::make_shared<Forest>(*makeSelecting());
   ConfidenceForest undecided = *forest->selection;
@@ -208,7 +208,8 @@ TEST(MapSelector, KeepsThePixelsOwnOnTies) {
   EXPECT_EQ(cv::countNonZero(select(selector, maps, false).disparity != filtered), 0);
 }
 
-/// Knows only confident and improbable pixels, and finds every other proposal more probable.
+/// A forest with only confident and improbable pixels, for which every other proposal is more
+/// probable.
 std::shared_ptr<const Forest> makeReplacing() {
   auto forest = std::make_shared<Forest>(*makeSelecting());
   ConfidenceForest confidence = *forest->confidence;
@@ -223,8 +224,8 @@ std::shared_ptr<const Forest> makeReplacing() {
   return forest;
 }
 
-/// Pixels of a pole of 3 px at 30 px that have another disparity then, before a background at 10
-/// px.
+/// Number of changed pixels of a pole that is 3 px wide. Its disparity is 30 px, that of the
+/// background 10 px.
 int replacedPolePixels(Label label, float pole_px) {
   const cv::Size size(60, 40);
   const cv::Rect pole(30, 0, 3, size.height);

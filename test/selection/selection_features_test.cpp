@@ -14,7 +14,7 @@ namespace {
 constexpr int kBlock = SelectionFeatures::kBlock;
 constexpr int kSlot = 1;
 
-/// Maps with what is made of them.
+/// Maps and the data computed from them.
 struct Example {
   Example(const Shape& shape, Content content)
       : maps(makeJudgedMaps(shape, content, 21)),
@@ -45,7 +45,7 @@ void expectNaiveProposal(const Example& example, int y, int x, int source, int q
   }
 }
 
-/// Of the pixels [x, x + count) of a row.
+/// Checks the pixels [x, x + count) of a row.
 void expectNaiveFeatures(const Example& example, SelectionFeatures& features, int y, int x,
                          int count) {
   ConfidenceForest shape;
@@ -110,7 +110,7 @@ TEST(SelectionFeatures, HaveNoWeightsWithoutConfidence) {
   expectNaiveFeatures(example, kBlock);
 }
 
-/// Of far more than a byte holds.
+/// Values far above the range of a byte are clamped.
 TEST(SelectionFeatures, OfLargeDisparitiesAreCutOff) {
   expectNaiveFeatures(Example({9, 60, {0, 4096}}, Content::kNoise), kBlock);
   expectNaiveFeatures(Example({9, 60, {-2048, 4096}}, Content::kPatches), kBlock);

@@ -43,7 +43,7 @@ TEST(ThinPixel, IsLongerThanSevenPixels) {
 TEST(ThinPixel, MayHaveGapsAndVaryBy1Px) {
   cv::Mat map = withLine({0, 1}, 2, 20);
   for (int y = 0; y < map.rows; y += 2) {
-    map.row(y).setTo(kFar);  // row 30, too
+    map.row(y).setTo(kFar);  // including row 30
   }
   EXPECT_TRUE(isThin(map, 31, 40));
   map.col(40).rowRange(20, 31) += 8;

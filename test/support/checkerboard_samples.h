@@ -7,7 +7,7 @@
 
 namespace cbmv::test {
 
-/// Uniform features, each tenth sample held out; a sample is correct with probability 0.9 where
+/// Uniform features; every tenth sample is held out. A sample is correct with probability 0.9 if
 /// feature 2 is above and feature 15 below its middle, else with probability 0.1.
 inline Samples checkerboard(int count) {
   std::mt19937 random(3);

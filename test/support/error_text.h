@@ -9,7 +9,7 @@
 
 namespace cbmv {
 
-/// The sentence of the Error that `call` throws; "no error" when it throws none.
+/// The message of the Error thrown by `call`; "no error" if it throws none.
 template <typename Call>
 std::string errorText(Call call) {
   try {
@@ -20,7 +20,7 @@ std::string errorText(Call call) {
   return "no error";
 }
 
-/// Whether `text` holds every one of `parts`: EXPECT_TRUE(mentions(text, {"left.png", "4x3"})).
+/// Whether `text` contains all of `parts`: EXPECT_TRUE(mentions(text, {"left.png", "4x3"})).
 inline testing::AssertionResult mentions(const std::string& text,
                                          std::initializer_list<std::string> parts) {
   for (const std::string& part : parts) {

@@ -6,7 +6,7 @@
 
 namespace cbmv {
 
-/// All metrics known, without sums.
+/// A score with all metrics, without sums.
 inline SceneScore makeScore(const std::string& name, double first, double weight) {
   SceneScore score;
   score.scene = name;
@@ -21,7 +21,7 @@ inline SceneScore makeScore(const std::string& name, double first, double weight
   return score;
 }
 
-/// Of two scenes, one of half weight.
+/// A report with two scenes, one with half the weight.
 inline EvaluationReport makeReport() {
   EvaluationReport report;
   report.forest = "my.forest";
@@ -32,7 +32,8 @@ inline EvaluationReport makeReport() {
   return report;
 }
 
-/// Half of the pixels is sure (0.95) and correct; the other is not (0.45) and off by 2 px.
+/// Half of the pixels have confidence 0.95 and are correct; the others have 0.45 and an error of 2
+/// px.
 inline ConfidenceProfile halfWrongProfile(double pixels) {
   ConfidenceProfile profile;
   profile.pixels = pixels;

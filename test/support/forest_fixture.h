@@ -4,8 +4,8 @@
 
 namespace cbmv {
 
-/// A forest of four trees that needs no training: one tree a matcher, which takes a hypothesis for
-/// correct where its cost is the lowest in both matching directions.
+/// A forest of four trees that needs no training: one tree per matcher. It accepts a hypothesis if
+/// its cost is the lowest in both matching directions.
 inline Forest makeForestFixture() {
   Forest forest;
   forest.name = "fixture.forest";

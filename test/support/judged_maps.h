@@ -11,7 +11,7 @@
 
 namespace cbmv::test {
 
-/// Maps as a first forest leaves them, at random.
+/// Random maps in place of the output of a first forest.
 struct RandomMaps {
   cv::Mat disparity;
   cv::Mat right_disparity;
@@ -25,8 +25,8 @@ struct RandomMaps {
   }
 };
 
-/// Moves valid disparities by up to half a pixel, in steps of 1/16 px: every other one lies in the
-/// middle between two values of a plane.
+/// Shifts valid disparities by up to half a pixel in steps of 1/16 px. Every second one is halfway
+/// between two values of a plane.
 inline void addFractions(float invalid, std::mt19937& random, cv::Mat& disparity) {
   for (int y = 0; y < disparity.rows; ++y) {
     for (int x = 0; x < disparity.cols; ++x) {
@@ -61,7 +61,7 @@ inline RandomMaps makeJudgedMaps(const Shape& shape, Content content, std::uint3
   return maps;
 }
 
-/// Confidences, in patches above and below the limit of confident ones.
+/// Confidences in patches above and below the limit of confident pixels.
 inline cv::Mat makeConfidence(const cv::Size& size, Content content, std::uint32_t seed) {
   return makeGrey(size, content, seed);
 }

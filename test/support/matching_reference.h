@@ -16,7 +16,7 @@
 
 namespace cbmv::test {
 
-/// Pixel of an image that repeats its border forever.
+/// Pixel of an image whose border is repeated.
 inline double at(const cv::Mat& grey, int y, int x) {
   return grey.at<std::uint8_t>(std::clamp(y, 0, grey.rows - 1), std::clamp(x, 0, grey.cols - 1));
 }
@@ -28,7 +28,7 @@ struct MatchingPair {
 
 inline MatchingPair makePair(const Shape& shape, Content content) {
   MatchingPair pair{makeGrey(shape.size(), content, 3), makeGrey(shape.size(), content, 4), {}, {}};
-  pair.left.rowRange(0, (shape.height + 1) / 2).setTo(77);  // a textureless part
+  pair.left.rowRange(0, (shape.height + 1) / 2).setTo(77);  // an area without texture
   padImage(pair.left, pair.padded_left);
   padImage(pair.right, pair.padded_right);
   return pair;
@@ -40,7 +40,7 @@ inline auto allMatchingCases() {
                           testing::Values(Content::kNoise, Content::kPatches));
 }
 
-/// Calls visit(y, i, x, x_right) for all hypotheses that match inside.
+/// Calls visit(y, i, x, x_right) for all hypotheses whose match is inside.
 template <typename Visit>
 void forHypotheses(const Shape& shape, const Visit& visit) {
   for (int y = 0; y < shape.height; ++y) {
@@ -64,14 +64,14 @@ inline RowEntries allEntries(const Shape& shape) {
   return entries;
 }
 
-/// Number of column x at disparity range.min + i, which has its match inside, among all hypotheses
-/// of the row, place by place.
+/// Index of column x at disparity range.min + i, whose match is inside, among all hypotheses of the
+/// row, place by place.
 inline std::size_t hypothesisOf(const RowEntries& entries, int i, int x) {
   const int first = entries.places(i).begin;
   return static_cast<std::size_t>(first * kTileColumns + x - entries.entries()[first].column);
 }
 
-/// Costs of the whole pair, prepared and matched by `Matcher`, in the order of forHypotheses.
+/// Costs of the whole pair, computed by `Matcher`, in the order of forHypotheses.
 template <typename Cost, typename Matcher, typename ComputeRow>
 std::vector<Cost> computeCosts(const MatchingPair& pair, const Shape& shape,
                                const ComputeRow& compute_row) {
@@ -89,8 +89,8 @@ std::vector<Cost> computeCosts(const MatchingPair& pair, const Shape& shape,
   return costs;
 }
 
-/// Compares the costs with expected(y, x, x_right) at all hypotheses that match inside, and those
-/// of every instruction set with each other, to the last bit.
+/// Compares the costs with expected(y, x, x_right) at all hypotheses whose match is inside. Costs
+/// of all instruction sets must be bit-identical.
 template <typename Cost, typename Matcher, typename ComputeRow, typename Expected>
 void expectCosts(const MatchingPair& pair, const Shape& shape, double tolerance,
                  const ComputeRow& compute_row, const Expected& expected) {

@@ -10,7 +10,7 @@
 
 namespace cbmv::test {
 
-/// Random trees of all depths up to `max_depth`.
+/// Random trees with depths up to `max_depth`.
 inline std::vector<ObliviousTree> makeObliviousTrees(int trees, int max_depth, int features,
                                                      std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -33,7 +33,7 @@ inline std::vector<ObliviousTree> makeObliviousTrees(int trees, int max_depth, i
   return made;
 }
 
-/// A forest of random trees of all depths up to `max_depth`, with maps that spread typical
+/// A forest of random trees with depths up to `max_depth`. Its quantization maps spread typical
 /// features.
 inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
   Forest forest;
@@ -49,7 +49,7 @@ inline Forest makeForest(int trees, int max_depth, std::uint32_t seed) {
   return forest;
 }
 
-/// A confidence forest of the same kind, of features "f0", "f1", ….
+/// A confidence forest of the same kind, with features "f0", "f1", ….
 inline ConfidenceForest makeConfidenceForest(int features, int trees, int max_depth,
                                              std::uint32_t seed) {
   ConfidenceForest forest;
@@ -65,7 +65,7 @@ inline ConfidenceForest makeConfidenceForest(int features, int trees, int max_de
   return forest;
 }
 
-/// Gives the forest the model of the standard deviation; its last feature becomes the roughness.
+/// Adds the model of the standard deviation to the forest; its last feature becomes the roughness.
 inline void addSigmaModel(ConfidenceForest& forest) {
   forest.feature_names.back() = ConfidenceForest::kRoughness;
   forest.sigma_roughness_bounds = {2, 20, 200};
@@ -74,7 +74,7 @@ inline void addSigmaModel(ConfidenceForest& forest) {
   }
 }
 
-/// Log-odds of one hypothesis, tree by tree, question by question.
+/// Log-odds of one hypothesis, computed tree by tree and question by question.
 template <typename CodeOf>
 double naiveLogOdds(const ObliviousForest& forest, const CodeOf& code_of) {
   double log_odds = forest.bias;
@@ -90,7 +90,7 @@ double naiveLogOdds(const ObliviousForest& forest, const CodeOf& code_of) {
   return log_odds;
 }
 
-/// A forest of random general trees with whole numbers in [−8, 8] for thresholds.
+/// A forest of random general trees whose thresholds are integers in [−8, 8].
 inline Forest makeGeneralForest(int trees, int inner_nodes, std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto draw = [&random](int lowest, int highest) {
@@ -107,7 +107,8 @@ inline Forest makeGeneralForest(int trees, int inner_nodes, std::uint32_t seed) 
       return itself;
     };
     add_leaf();
-    for (int inner = 0; inner < inner_nodes; ++inner) {  // a leaf becomes a node with two leaves
+    for (int inner = 0; inner < inner_nodes;
+         ++inner) {  // replaces a leaf by a node with two leaves
       int n = draw(0, static_cast<int>(tree.nodes.size()) - 1);
       while (!tree.isLeaf(n)) {
         n = static_cast<int>(tree.nodes[n].next[draw(0, 1)]);
@@ -123,7 +124,7 @@ inline Forest makeGeneralForest(int trees, int inner_nodes, std::uint32_t seed) 
   return forest;
 }
 
-/// Probability of one hypothesis by the general trees, in double precision.
+/// Probability of one hypothesis from the general trees, in double precision.
 template <typename ValueOf>
 double naiveProbability(const Forest& forest, const ValueOf& value_of) {
   double sum = forest.bias;

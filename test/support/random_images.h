@@ -25,7 +25,7 @@ inline std::ostream& operator<<(std::ostream& out, View view) {
 
 namespace cbmv::test {
 
-/// Size of a volume and its range.
+/// Size and disparity range of a volume.
 struct Shape {
   int height = 0;
   int width = 0;
@@ -39,8 +39,8 @@ inline std::ostream& operator<<(std::ostream& out, const Shape& shape) {
              << " disparities from " << shape.range.min;
 }
 
-/// What easily goes wrong: single pixels, rows and columns, ranges wider than the image, beyond it
-/// or below zero, and sizes that are no multiple of any block.
+/// Corner cases: single pixels, rows and columns; ranges wider than the image, beyond it or below
+/// zero; sizes that are not multiples of any block size.
 inline std::vector<Shape> awkwardShapes() {
   return {{1, 1, {0, 1}},     {1, 1, {-1, 3}},   {1, 43, {0, 7}},   {37, 1, {-2, 5}},
           {9, 11, {0, 29}},   {8, 10, {12, 4}},  {23, 71, {3, 40}}, {19, 67, {-9, 33}},
@@ -61,8 +61,8 @@ inline auto allCases() {
                           testing::Values(Content::kNoise, Content::kPatches));
 }
 
-/// Random value for each cell of a coarse grid, plus noise of a few units: constant regions with
-/// sharp borders. Values lie in [0, max].
+/// Random value per cell of a coarse grid plus noise of a few units: constant regions with sharp
+/// borders. Values are in [0, max].
 inline int patchValue(int y, int x, int max, std::uint32_t seed, std::mt19937& random) {
   std::mt19937 cell(seed + 7919U * static_cast<unsigned>(y / 6) + static_cast<unsigned>(x / 9));
   const int value = std::uniform_int_distribution<int>(0, max)(cell);
@@ -82,7 +82,7 @@ inline cv::Mat makeGrey(const cv::Size& size, Content content, std::uint32_t see
   return grey;
 }
 
-/// Costs in [0, max_cost]: noise, or cheap along patches of constant disparity.
+/// Costs in [0, max_cost]: noise, or low along patches of constant disparity.
 inline OptimizedVolume makeCosts(const Shape& shape, Content content, int max_cost,
                                  std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -101,7 +101,7 @@ inline OptimizedVolume makeCosts(const Shape& shape, Content content, int max_co
   return costs;
 }
 
-/// Whole-pixel disparities of the range, one in `invalid_every` invalid.
+/// Integer disparities of the range; one in `invalid_every` is invalid.
 inline cv::Mat makeDisparity(const Shape& shape, Content content, int invalid_every,
                              std::uint32_t seed) {
   std::mt19937 random(seed);

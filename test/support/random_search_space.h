@@ -6,8 +6,8 @@
 
 namespace cbmv::test {
 
-/// A search space whose tiles have windows that wander along the row, and single disparities beside
-/// them; some tiles have no hypothesis at all.
+/// A search space whose tiles have windows that vary along the row, plus single disparities. Some
+/// tiles have no hypotheses.
 inline SearchSpace makeSearchSpace(int height, int width, const DisparityRange& range,
                                    std::uint32_t seed) {
   SearchSpace space;

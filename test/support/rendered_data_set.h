@@ -10,7 +10,7 @@
 
 namespace cbmv {
 
-/// Writes the rendered pair into `folder` as a Middlebury v3 scene of 30 disparities.
+/// Writes the rendered pair to `folder` as a Middlebury v3 scene with 30 disparities.
 inline void writeScene(const std::string& folder, const RenderedScene& scene) {
   std::filesystem::create_directories(folder);
   writeImage(folder + "/im0.png", scene.left);

@@ -17,8 +17,8 @@ struct Outcome {
   std::string output;  ///< standard error
 };
 
-/// Runs TOOL ARGUMENTS in a shell and returns its exit status and standard error. `environment` is
-/// put before it: NAME=VALUE.
+/// Runs TOOL ARGUMENTS in a shell and returns its exit status and standard error. `environment`:
+/// prefix NAME=VALUE.
 inline Outcome run(const std::string& tool, const std::string& arguments,
                    const std::string& environment = "") {
   const std::string command =
@@ -33,7 +33,7 @@ inline Outcome run(const std::string& tool, const std::string& arguments,
   return outcome;
 }
 
-/// So many lines on standard error, exit status 2.
+/// Expects exit status 2 and `lines` lines on standard error that contain `parts`.
 inline void expectRefusal(const Outcome& outcome, const std::vector<std::string>& parts,
                           int lines = 1) {
   EXPECT_EQ(outcome.status, 2) << outcome.output;

@@ -6,7 +6,7 @@
 
 namespace cbmv::test {
 
-/// While it lives, the vector code runs on `target`.
+/// Runs the vector code on `target` during its lifetime.
 class ScopedSimdTarget {
  public:
   explicit ScopedSimdTarget(std::int64_t target) { choose(target); }

@@ -11,7 +11,7 @@
 
 namespace cbmv::test {
 
-/// Random trees with the features of MapConfidence, which find about half of all pixels confident.
+/// Random trees with the features of MapConfidence; about half of all pixels are confident.
 inline ConfidenceForest makeMapForest(std::uint32_t seed) {
   ConfidenceForest forest =
       makeConfidenceForest(static_cast<int>(confidenceFeatureNames().size()), 12, 5, seed);
@@ -21,7 +21,7 @@ inline ConfidenceForest makeMapForest(std::uint32_t seed) {
   return forest;
 }
 
-/// Few random trees with the features of MapSelector: scores are often the same.
+/// A few random trees with the features of MapSelector, so that many scores are equal.
 inline ConfidenceForest makeSelectionForest(std::uint32_t seed) {
   ConfidenceForest forest =
       makeConfidenceForest(static_cast<int>(selectionFeatureNames().size()), 6, 3, seed);
@@ -29,13 +29,13 @@ inline ConfidenceForest makeSelectionForest(std::uint32_t seed) {
   return forest;
 }
 
-/// Gives the forest random second ones.
+/// Adds random second forests to the forest.
 inline void addSecondForest(std::uint32_t seed, Forest& forest) {
   forest.confidence = std::make_shared<ConfidenceForest>(makeMapForest(seed));
   forest.selection = std::make_shared<ConfidenceForest>(makeSelectionForest(seed + 1));
 }
 
-/// Of features by their names.
+/// Log-odds for features given by name.
 inline double naiveLogOdds(const ConfidenceForest& forest, const NamedValues& features) {
   return naiveLogOdds(forest, [&](int f) { return features.at(forest.feature_names[f]); });
 }
@@ -44,7 +44,7 @@ inline int naiveProbabilityByte(double log_odds) {
   return static_cast<int>(std::lround(255 / (1 + std::exp(-log_odds))));
 }
 
-/// What the confidence forest says of a map.
+/// Confidence of the forest for a map.
 inline cv::Mat naiveConfidence(const ConfidenceForest& forest, const MapPlanes& planes,
                                const cv::Mat& disparity, float invalid) {
   cv::Mat confidence(disparity.size(), CV_8UC1);

@@ -13,10 +13,10 @@
 #include "selection/confident_neighbors.h"
 #include "selection/map_planes.h"
 
-// What the second forest looks at, pixel by pixel, straight from the planes.
+// Features of the second forest, computed pixel by pixel from the planes.
 namespace cbmv::test {
 
-/// Of a map of whole numbers; beyond the border the nearest pixel's.
+/// Value of an integer map; outside, the value of the nearest border pixel.
 inline int valueAt(const cv::Mat& map, int y, int x) {
   y = std::clamp(y, 0, map.rows - 1);
   x = std::clamp(x, 0, map.cols - 1);
@@ -34,7 +34,7 @@ inline int valueAt(const cv::Mat& map, int y, int x) {
 
 inline int roundDown(double value) { return static_cast<int>(std::floor(value)); }
 
-/// Over 5 × 5 pixels.
+/// Sum over 5 × 5 pixels.
 inline int naiveSum25(const cv::Mat& map, int y, int x) {
   int sum = 0;
   for (int row = y - 2; row <= y + 2; ++row) {
@@ -45,10 +45,11 @@ inline int naiveSum25(const cv::Mat& map, int y, int x) {
   return sum;
 }
 
-/// A 25th. Of large sums, one that lacks 1 of a multiple of 25 counts as this.
+/// Mean of 25 pixels from their sum. For large sums, one less than a multiple of 25 counts as that
+/// multiple.
 inline int naiveMean25(int sum) { return (sum + (sum > 43690 ? 1 : 0)) / 25; }
 
-/// Over 4 × 4 pixels.
+/// Sum over a cell of 4 × 4 pixels.
 inline int naiveCellSum(const cv::Mat& map, int cell_y, int cell_x) {
   int sum = 0;
   for (int i = 0; i < 16; ++i) {
@@ -75,7 +76,7 @@ inline int naiveBorder(int x, int disparity) {
   return 3 * std::clamp(x - roundDown(disparity / 8.0) + 5, 0, 84);
 }
 
-/// Difference of both views, in units of the plane.
+/// Difference between both views in units of the plane.
 inline int naiveLeftRight(double disparity_px, int match, const cv::Mat& right, float invalid,
                           int y) {
   if (right.empty() || match < 0 || match >= right.cols || right.at<float>(y, match) == invalid) {
@@ -86,7 +87,7 @@ inline int naiveLeftRight(double disparity_px, int match, const cv::Mat& right, 
 
 using NamedValues = std::map<std::string, int>;
 
-/// Of confidenceFeatureNames.
+/// Values of confidenceFeatureNames.
 inline NamedValues naiveConfidenceFeatures(const MapPlanes& planes, int y, int x) {
   const int disparity = valueAt(planes.disparity, y, x);
   const auto mean25 = [&](const cv::Mat& map) { return naiveMean25(naiveSum25(map, y, x)); };
@@ -123,7 +124,7 @@ struct NaiveNeighbor {
   int distance = 255;
 };
 
-/// The nearest confident pixel in steps of (dy, dx).
+/// The nearest confident pixel in direction (dy, dx).
 inline NaiveNeighbor naiveNeighbor(const cv::Mat& disparity, const cv::Mat& confidence, int y,
                                    int x, int dy, int dx) {
   for (int steps = 0; y >= 0 && y < disparity.rows && x >= 0 && x < disparity.cols;
@@ -148,7 +149,8 @@ inline std::array<NaiveNeighbor, kSources> naiveProposals(const cv::Mat& dispari
            neighbor(1, 0)}};
 }
 
-/// How many of 5 × 5 pixels `step` px apart have about that disparity, plain and weighted.
+/// Number of pixels with a similar disparity among 5 × 5 pixels that are `step` px apart,
+/// unweighted and weighted.
 struct NaiveSupport {
   int plain = 0;
   int weighted = 0;
@@ -170,7 +172,7 @@ inline NaiveSupport naiveSupport(const cv::Mat& disparity, const cv::Mat& confid
   return {10 * count, total == 0 ? 0 : 250 * weight / total};
 }
 
-/// Of selectionFeatureNames, for proposal `source` of a pixel; `right` is empty where not known.
+/// Values of selectionFeatureNames for proposal `source` of a pixel; `right` is empty if unknown.
 inline NamedValues naiveSelectionFeatures(const MapPlanes& planes, const cv::Mat& confidence,
                                           const cv::Mat& right, float invalid, int y, int x,
                                           int source) {

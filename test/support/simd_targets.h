@@ -10,8 +10,8 @@
 
 namespace cbmv::test {
 
-/// Every instruction set that the vector code is compiled for and that this machine has, the
-/// emulated vectors included.
+/// Every instruction set that is compiled in and supported by this machine, including emulated
+/// vectors.
 inline std::vector<std::int64_t> simdTargets() {
   std::vector<std::int64_t> targets = {HWY_EMU128};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {

@@ -10,7 +10,7 @@
 
 namespace cbmv {
 
-/// A new empty folder that is removed with its content at the end.
+/// A new empty folder that is deleted with its content by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_(testing::TempDir() + "cbmv_test_XXXXXX") {

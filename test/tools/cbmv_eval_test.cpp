@@ -1,4 +1,4 @@
-// cbmv_eval and the program that makes its page, as a user meets them.
+// cbmv_eval and the program that creates its page, run as by a user.
 
 #include <filesystem>
 #include <fstream>
@@ -26,7 +26,7 @@ using testing::Not;
 
 const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
 
-/// How often the pattern occurs.
+/// Number of occurrences of the pattern.
 long count(const std::string& text, const std::string& pattern) {
   const std::regex expression(pattern);
   return std::distance(std::sregex_iterator(text.begin(), text.end(), expression), {});
@@ -49,7 +49,7 @@ class EvalTest : public testing::Test {
         environment);
   }
 
-  /// One line for the scene Two, which names the file, and one for the end; One is scored.
+  /// Expects one line for scene Two with the file name, and a final line; One is scored.
   void expectOnlyOne(const std::string& file, const std::string& what) const {
     expectRefusal(evaluate("--json " + path("r.json")),
                   {"scene Two is left out", path(file), what, "1 of 2 scenes are left out"}, 2);
@@ -69,12 +69,12 @@ TEST_F(EvalTest, ReportIsAPageThatNeedsNoOtherFile) {
   EXPECT_THAT(page, HasSubstr("<h3>One<"));
   EXPECT_THAT(page, HasSubstr("<h3>Two &amp; &lt;b&gt;<"));
   EXPECT_THAT(page, HasSubstr("middlebury.forest"));
-  EXPECT_EQ(count(page, "<td>One</td>"), 2);  // of noc and all pixels
+  EXPECT_EQ(count(page, "<td>One</td>"), 2);  // noc and all pixels
   EXPECT_EQ(count(page, "<img [^>]*src=\"data:image/jpeg;base64,"), 2 * 5);
   EXPECT_EQ(count(page, "<svg"),
-            1 + 1 + 2 + 2);  // the means, reliability, two of bars, one a scene
+            1 + 1 + 2 + 2);  // means, reliability, two bar charts, one per scene
   EXPECT_EQ(count(page, "<td>min_confidence 0\\.[3579]</td>"), 4);
-  EXPECT_EQ(count(page, "most confident [0-9]"), 0);  // not asked for
+  EXPECT_EQ(count(page, "most confident [0-9]"), 0);  // not requested
   EXPECT_EQ(count(page, "Standard deviation"), 1);
   EXPECT_EQ(count(page, "src=\"(?!data:)"), 0);
   EXPECT_EQ(count(page, "href=\"(?!#)"), 0);
@@ -95,10 +95,10 @@ TEST_F(EvalTest, ReportOfReadyMapsHasNoSparsification) {
   const std::string page = contentOf(path("page/index.html"));
   EXPECT_THAT(page, HasSubstr("ready disparity maps"));
   EXPECT_EQ(count(page, "most confident pixels kept"), 0);
-  EXPECT_EQ(count(page, "<img "), 2 * 4);  // no confidence
+  EXPECT_EQ(count(page, "<img "), 2 * 4);  // without confidence
 }
 
-/// The true disparities, 0.45 px too high, with a confidence of 1 and a sigma of 0.4 px.
+/// The true disparities plus 0.45 px, with confidence 1 and a sigma of 0.4 px.
 TEST_F(EvalTest, ReadyMapsHaveOperatingPointsAndSigma) {
   for (const char* scene : {"One", "Two"}) {
     const cv::Mat truth = readPfm(path(std::string("testQ/") + scene + "/disp0GT.pfm"));
@@ -115,7 +115,7 @@ TEST_F(EvalTest, ReadyMapsHaveOperatingPointsAndSigma) {
   ASSERT_EQ(outcome.status, 0) << outcome.output;
   const EvaluationReport report = readJsonReport(path("r.json"));
   EXPECT_EQ(report.scoring.scale, 4.0);
-  EXPECT_EQ(report.find("One")->noc[1], 100.0);  // bad 1, of 0.45 px at the scale of 4
+  EXPECT_EQ(report.find("One")->noc[1], 100.0);  // bad 1, of 0.45 px at scale 4
   EXPECT_EQ(report.find("One")->noc[2], 0.0);    // bad 2
   EXPECT_EQ(report.find("One")->noc[13], 0.0);   // ece: 0.45 px of the images is correct
   EXPECT_EQ(report.find("One")->noc[15], 0.0);   // sigma_1
@@ -131,14 +131,14 @@ TEST_F(EvalTest, ReadyMapsHaveOperatingPointsAndSigma) {
 TEST_F(EvalTest, FoldsCanBeTrainedOnAnotherFolder) {
   fs::rename(path("testQ"), path("oldQ"));
   fs::create_directory(path("testQ"));
-  fs::rename(path("oldQ/One"), path("testQ/Teddy"));  // of the first fold
+  fs::rename(path("oldQ/One"), path("testQ/Teddy"));  // a scene of the first fold
   writeScene(path("trainQ/Piano"), renderScene(120, 60, 3));
   writeScene(path("trainQ/Teddy"), renderScene(120, 60, 4));
   const std::string data = "--dataset middlebury_v3:" + path("testQ") + " ";
   const std::string training = " --train-dataset middlebury_v3:" + path("trainQ") +
                                " --trees 4 --depth 3 --pixels-per-scene 500";
   const Outcome outcome = run("cbmv_eval", data + "--folds 3 --json " + path("r.json") + training);
-  ASSERT_EQ(outcome.status, 0) << outcome.output;  // testQ alone has no scene of another fold
+  ASSERT_EQ(outcome.status, 0) << outcome.output;  // testQ has no scene of another fold
   EXPECT_EQ(readJsonReport(path("r.json")).scenes.size(), 1U);
   expectRefusal(run("cbmv_eval", data + "--forest " + kForest + training), {"--train-dataset"}, 2);
   writeScene(path("two_view/Piano"), renderScene(120, 60, 3));
@@ -201,7 +201,7 @@ TEST_F(EvalTest, SubmissionHasTheScenesWithoutTruthToo) {
     std::ifstream(base + "/timeCBMV.txt") >> seconds;
     EXPECT_GT(seconds, 0.0);
   }
-  fs::remove(path("upload/testQ/Two/disp0CBMV.pfm"));  // is then made again
+  fs::remove(path("upload/testQ/Two/disp0CBMV.pfm"));  // is then written again
   const auto one = fs::last_write_time(path("upload/testQ/One/disp0CBMV.pfm"));
   ASSERT_EQ(evaluate(arguments + " --resume").status, 0);
   EXPECT_TRUE(fs::exists(path("upload/testQ/Two/disp0CBMV.pfm")));

@@ -13,7 +13,7 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// What a bar writes, and a clock that the test turns.
+/// Output of a progress bar, with a clock controlled by the test.
 class ProgressBarTest : public testing::Test {
  protected:
   ProgressBarTest() : file_(std::tmpfile()) {}

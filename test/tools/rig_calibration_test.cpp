@@ -14,7 +14,7 @@ namespace {
 const cv::Size kSize(640, 480);
 const Chessboard kBoard{{9, 6}, 0.03};
 
-/// A rig whose right camera is turned and raised a little.
+/// A rig whose right camera is slightly rotated and raised.
 struct KnownRig {
   cv::Matx33d left_matrix{530, 0, 330, 0, 532, 235, 0, 0, 1};
   cv::Matx33d right_matrix{536, 0, 312, 0, 537, 246, 0, 0, 1};
@@ -30,7 +30,7 @@ struct KnownRig {
   }
 };
 
-/// Poses of the board before the left camera: turned every way, all over the image.
+/// Poses of the board in front of the left camera: rotated in all directions, all over the image.
 std::vector<std::pair<cv::Vec3d, cv::Vec3d>> boardPoses() {
   cv::RNG random(7);
   std::vector<std::pair<cv::Vec3d, cv::Vec3d>> poses;
@@ -43,7 +43,7 @@ std::vector<std::pair<cv::Vec3d, cv::Vec3d>> boardPoses() {
   return poses;
 }
 
-/// Both projections of the board in a pose, straight from the pinhole model with plumb_bob.
+/// Both projections of the board in a pose, from the pinhole model with plumb_bob.
 BoardView project(const KnownRig& rig, const cv::Vec3d& turn, const cv::Vec3d& shift) {
   BoardView view;
   cv::projectPoints(kBoard.points(), turn, shift, rig.left_matrix, rig.left_distortion, view.left);
@@ -83,7 +83,8 @@ TEST(RigCalibration, FindsTheRigThatTheCornersAreOf) {
   EXPECT_EQ(found.image_size, kSize);
 }
 
-/// By the formula of CameraInfo: P R X is where a rectified image has the point X of its camera.
+/// From the definition of CameraInfo: P R X is the rectified image position of point X in camera
+/// coordinates.
 TEST(RigCalibration, RectifiesPointsToOneRow) {
   const CalibratedRig found = calibrateRig(projectAll(0), kBoard, kSize);
   const KnownRig rig;
@@ -110,7 +111,8 @@ TEST(RigCalibration, RectifiesPointsToOneRow) {
 TEST(RigCalibration, ErrorsAreThoseOfTheCorners) {
   constexpr double kNoisePx = 0.2;
   const CalibratedRig found = calibrateRig(projectAll(kNoisePx), kBoard, kSize);
-  // Two coordinates of a corner; two rows of a pair, which taking barrel distortion off spreads.
+  // Two coordinates per corner; two rows per pair, whose noise is increased by removing barrel
+  // distortion.
   EXPECT_NEAR(found.reprojection_error_px, kNoisePx * std::sqrt(2), 0.02);
   EXPECT_GT(found.epipolar_error_px, kNoisePx * std::sqrt(2));
   EXPECT_LT(found.epipolar_error_px, kNoisePx * std::sqrt(2) * 1.2);
@@ -126,7 +128,7 @@ TEST(RigCalibration, RefusesTooFewViewsAndIncompleteOnes) {
   EXPECT_TRUE(mentions(errorText([&] { calibrateRig(views, kBoard, kSize); }), {"2 pairs", "3"}));
 }
 
-/// The board as a camera without distortion sees it, drawn four times as large and shrunk.
+/// The board seen by a camera without distortion, drawn at four times the size and downscaled.
 cv::Mat drawBoard(const cv::Matx33d& matrix, const cv::Vec3d& turn, const cv::Vec3d& shift) {
   constexpr int kSquarePx = 40;
   const cv::Size squares(kBoard.corners.width + 1, kBoard.corners.height + 1);
@@ -140,7 +142,7 @@ cv::Mat drawBoard(const cv::Matx33d& matrix, const cv::Vec3d& turn, const cv::Ve
   cv::Rodrigues(turn, rotation);
   const cv::Matx33d pose(rotation(0, 0), rotation(0, 1), shift[0], rotation(1, 0), rotation(1, 1),
                          shift[1], rotation(2, 0), rotation(2, 1), shift[2]);
-  // The first inner corner is the origin; pixel i of the drawing covers [i, i + 1] / kSquarePx.
+  // The first inner corner is the origin. Pixel i of the drawing covers [i, i + 1] / kSquarePx.
   const double scale = kBoard.square_m / kSquarePx;
   const cv::Matx33d to_board(scale, 0, (0.5 - kSquarePx) * scale, 0, scale,
                              (0.5 - kSquarePx) * scale, 0, 0, 1);

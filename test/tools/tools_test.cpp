@@ -1,4 +1,4 @@
-// The command-line programs as a user meets them: what they write, what they say of bad input.
+// The command-line programs, run as by a user: their output files and their error messages.
 
 #include <array>
 #include <cstring>
@@ -29,7 +29,7 @@ namespace {
 
 const std::string kForest = CBMV_SOURCE_DIR "/models/middlebury.forest";
 
-/// A folder with a rendered pair: left.png, right.png, and text.png, which is no image.
+/// A folder with a rendered pair: left.png and right.png; text.png is not an image.
 class ToolsTest : public testing::Test {
  protected:
   ToolsTest() : scene_(renderScene(160, 100, 1)) {
@@ -56,7 +56,7 @@ TEST_F(ToolsTest, MatchWritesDisparityAndConfidence) {
   }
 }
 
-/// By the command line, a preset, and a calibration that tells no range.
+/// The range from the command line, a preset, and a calibration without range.
 TEST_F(ToolsTest, MatchFindsTheRange) {
   std::ofstream(path("calib.txt")) << "cam0=[200 0 80; 0 200 50; 0 0 1]\n"
                                       "cam1=[200 0 80; 0 200 50; 0 0 1]\n"
@@ -123,7 +123,7 @@ TEST_F(ToolsTest, MatchOptionsWinOverThePreset) {
   EXPECT_EQ(run("cbmv_match", pair + " --disparities 24 --max-memory-mb 0").status, 0);
 }
 
-/// As many pixels to the left as the disparities are lower.
+/// The image is shifted to the left by the amount by which the disparities are lower.
 TEST_F(ToolsTest, MatchFindsNegativeDisparities) {
   const int shift = 20;
   writeImage(path("moved.png"), scene_.right.colRange(0, 160 - shift));
@@ -132,7 +132,7 @@ TEST_F(ToolsTest, MatchFindsNegativeDisparities) {
       run("cbmv_match", path("cut.png") + " " + path("moved.png") + " --forest " + kForest +
                             " --disparities 32 --min-disparity -20 --output " + path("out"));
   ASSERT_EQ(outcome.status, 0) << outcome.output;
-  // What lies farther to the right is not in the right image any more.
+  // Points farther to the right are outside the right image.
   const cv::Range seen(shift, 160 - shift);
   const cv::Mat truth = scene_.truth.colRange(seen) - shift;
   const cv::Mat disparity = readPfm(path("out/disparity.pfm")).colRange(0, truth.cols);
@@ -162,7 +162,7 @@ TEST_F(ToolsTest, MatchWritesDepthAndCloudOfACalibratedPair) {
   const cv::Mat depth = readPfm(path("out/depth.pfm"));
   const std::vector<ColoredPoint> points = readPly(path("out/cloud.ply"));
   EXPECT_NEAR(depth.at<float>(50, 90), 20 / (disparity.at<float>(50, 90) + 3), 1e-4);
-  ASSERT_EQ(points.size(), depth.total());  // all filled in
+  ASSERT_EQ(points.size(), depth.total());  // all pixels are filled
   EXPECT_NEAR(points[50 * 160 + 90].x, 10 * depth.at<float>(50, 90) / 200, 1e-5);
 
   CameraCalibration camera;
@@ -264,7 +264,8 @@ TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
   EXPECT_FALSE(std::filesystem::exists(path("new.forest")));
 }
 
-/// Outputs are checked first: the data set, which is not there either, is not even looked for.
+/// Outputs are checked first: the error is about the output although the data set does not exist
+/// either.
 TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   const std::string data = "--dataset middlebury_v3:" + path("no_data");
   const std::string place = path("none/output");
@@ -282,7 +283,7 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   }
 }
 
-/// By whatever path: a forest that a report replaces is lost.
+/// An output must not overwrite an input forest, whatever path is used for it.
 TEST_F(ToolsTest, NoOutputIsAnInput) {
   writeScene(path("data/One"), scene_);
   const std::string data = "--dataset middlebury_v3:" + path("data");

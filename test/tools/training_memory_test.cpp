@@ -1,4 +1,4 @@
-// The memory of a training is bounded by --max-samples, however many scenes there are.
+// --max-samples limits the memory of training, independent of the number of scenes.
 
 #include <cstdlib>
 #include <filesystem>
@@ -13,7 +13,7 @@
 namespace cbmv::test {
 namespace {
 
-/// Most memory that any program run so far has held, MiB.
+/// Peak memory of the programs run so far, MiB.
 long peakOfPrograms() {
   rusage usage{};
   getrusage(RUSAGE_CHILDREN, &usage);
@@ -35,8 +35,8 @@ long peakOfTraining(const TemporaryFolder& folder, int scenes, const std::string
   return peakOfPrograms();
 }
 
-/// Forty scenes hold 8 MB of pixels more than four, 26 MB more of the maps that the second forest
-/// learns from, and 30 times the samples if nothing limits them (150 MB).
+/// Compared with four scenes, forty scenes need 8 MB more for pixels, 26 MB more for the maps of
+/// the second forest, and without a limit 30 times the samples (150 MB).
 TEST(TrainingMemory, DoesNotGrowWithTheScenes) {
   const TemporaryFolder folder;
   for (int s = 0; s < 4; ++s) {

@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kFeatures = 3;
 constexpr int kCodes = 16;
-constexpr double kUnit = 65536;  // fixed point of the derivatives
+constexpr double kUnit = 65536;  // fixed point scale of the derivatives
 
 struct Problem {
   std::vector<Booster::Column> codes = std::vector<Booster::Column>(kFeatures);
   SampleLabels labels;
 };
 
-/// More samples than two chunks hold, the leaves of very different sizes.
+/// More samples than fit into two chunks; the leaves have very different sizes.
 Problem makeProblem(int samples) {
   std::mt19937 random(4);
   Problem problem;
@@ -34,7 +34,7 @@ Problem makeProblem(int samples) {
   return problem;
 }
 
-/// Grows trees as the formulas say: every sum anew, over all samples, for every question.
+/// Grows trees directly from the formulas: computes every sum over all samples for every question.
 class NaiveBooster {
  public:
   NaiveBooster(const Problem& problem, const BoostingOptions& options, double bias)
@@ -60,7 +60,7 @@ class NaiveBooster {
 
  private:
   struct Sum {
-    double first = 0;  // whole numbers
+    double first = 0;  // integers
     double second = 0;
   };
 

@@ -37,7 +37,7 @@ TEST(Boosting, ReachesTheEntropyOfTheData) {
   EXPECT_NEAR(cost(0.7F, 0.8F) / 255.0, 0.9, 0.03);
 }
 
-/// With one level and the whole step, the first tree is the best question of all, and its leaves
+/// With one level and learning rate 1, the first tree is the best question of all, and its leaves
 /// are the log-odds of their samples.
 TEST(Boosting, FirstTreeIsTheBestStump) {
   Samples samples = checkerboard(4000);
@@ -56,7 +56,7 @@ TEST(Boosting, FirstTreeIsTheBestStump) {
   EXPECT_GT(forest.trees[0].leaves[1], 0);
 }
 
-/// The log-loss that the training reports is that of the forest it returns, tree by tree.
+/// The log-loss reported by the training equals that of the returned forest after each tree.
 TEST(Boosting, ReportsTheLogLossOfItsForest) {
   const Samples samples = checkerboard(3000);
   BoostingOptions options;
@@ -89,7 +89,7 @@ TEST(Boosting, HeldOutSamplesHaveNoSay) {
   }
 }
 
-/// The labels hang on features 2 and 15 alone.
+/// The labels depend only on features 2 and 15.
 TEST(Boosting, NamesTheFeaturesThatMatter) {
   BoostingOptions options;
   options.trees = 8;
@@ -131,7 +131,7 @@ TEST(Boosting, DoesNotDependOnThreads) {
 
 constexpr float kCodesPerUnit = 250;
 
-/// The same samples for a confidence forest, without the columns behind `features`.
+/// The same samples for a confidence forest, limited to the first `features` columns.
 ConfidenceSamples confidenceSamples(const Samples& samples, int features) {
   ConfidenceSamples chosen;
   static_cast<SampleLabels&>(chosen) = samples;
@@ -145,12 +145,12 @@ ConfidenceSamples confidenceSamples(const Samples& samples, int features) {
   return chosen;
 }
 
-/// As many features as labels hang on, of any number.
+/// The labels depend on all features, for different numbers of features.
 TEST(Boosting, TrainsConfidenceForests) {
   BoostingOptions options;
   options.trees = 12;
   options.depth = 3;
-  options.matchers.reset();  // says nothing about confidence forests
+  options.matchers.reset();  // has no effect on confidence forests
   const ConfidenceForest forest =
       trainConfidenceForest(confidenceSamples(checkerboard(20000), 16), options, ignoreProgress);
   EXPECT_EQ(forest.feature_names.at(15), "f15");

@@ -16,7 +16,7 @@
 namespace cbmv {
 namespace {
 
-/// A data set of rendered scenes under names of Middlebury.
+/// A data set of rendered scenes with names from Middlebury.
 class FoldSource : public testing::Test {
  protected:
   std::vector<SceneReference> write(const std::vector<std::string>& names) const {
@@ -41,7 +41,7 @@ TEST_F(FoldSource, MatchesWithAForestThatSawTheOtherFoldsOnly) {
   training.boosting.trees = 3;
   training.boosting.depth = 3;
   training.pixels_per_scene = 500;
-  training.second.enabled = false;  // its lines are not those that are looked at
+  training.second.enabled = false;  // its messages are not checked here
   std::string log;
   const DisparitySource source =
       foldSource(scenes, training, std::vector<StereoOptions>(1),

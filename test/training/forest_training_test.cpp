@@ -42,7 +42,7 @@ class ForestTraining : public testing::Test {
 void ignore(const TrainingStep& /*step*/) {}
 
 TEST_F(ForestTraining, SharesTheSamplesAmongTheScenes) {
-  options_.search.levels = 3;  // and the full size
+  options_.search.levels = 3;  // plus full size
   options_.max_samples = 12000;
   EXPECT_EQ(pixelsPerScene(10, options_), 100);
   EXPECT_EQ(pixelsPerScene(1, options_), 1000);
@@ -65,7 +65,7 @@ TEST_F(ForestTraining, TellsWhatSamplesTakeMoreThanTheMachineHas) {
                        {"samples need", "but the machine has", "--max-samples"}));
 }
 
-/// From the files to the forest, of both kinds.
+/// Both kinds of forest, from files to the forest.
 TEST_F(ForestTraining, DependsOnTheSeedOnly) {
   const auto train = [&](std::size_t threads, std::uint64_t seed) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -53,7 +53,7 @@ TEST(HeldOutMeasures, ProbabilitiesAreThoseOfTheForest) {
   }
 }
 
-/// A stump that gives 0.25 or 0.75 by feature 0.
+/// A stump that returns 0.25 or 0.75 depending on feature 0.
 Forest stump() {
   Forest forest;
   forest.output = ForestOutput::kProbability;
@@ -63,7 +63,7 @@ Forest stump() {
   return forest;
 }
 
-/// `held_out` labels at each of the two values, and samples with wild labels to train on.
+/// `held_out` labels for both values, and unrelated samples for training.
 Samples samplesOf(const std::vector<int>& low, const std::vector<int>& high) {
   Samples samples;
   const auto add = [&](float value, int label, int held_out) {
@@ -99,7 +99,7 @@ TEST(HeldOutMeasures, CountsWhatIsCorrectInEachBin) {
   EXPECT_NEAR(provenance.held_out_log_loss, -(5 * std::log(0.75) + 3 * std::log(0.25)) / 8, 1e-9);
 }
 
-/// Two codes, two answers.
+/// Two codes with different results.
 ConfidenceForest confidenceStump() {
   ConfidenceForest forest = makeConfidenceForest(1, 1, 1, 1);
   forest.bias = 0;

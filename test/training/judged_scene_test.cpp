@@ -19,7 +19,7 @@ namespace {
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr long kAll = 1000000;
 
-/// Maps with a truth that about half of the disparities meet, some of them exactly 1 px beside it.
+/// Maps with a truth that equals about half of the disparities; some are exactly 1 px off.
 JudgedScene makeScene(const Shape& shape) {
   const RandomMaps maps = makeJudgedMaps(shape, Content::kPatches, 51);
   JudgedScene scene;
@@ -49,7 +49,7 @@ struct NaiveSample {
 
 using Sortable = std::vector<int>;
 
-/// All samples as lists of numbers, in order.
+/// All samples as sorted lists of numbers.
 std::multiset<Sortable> sorted(const std::vector<NaiveSample>& samples,
                                const std::vector<std::string>& names) {
   std::multiset<Sortable> all;
@@ -75,7 +75,7 @@ std::multiset<Sortable> sorted(const ConfidenceSamples& samples) {
   return all;
 }
 
-/// Calls `use(y, x)` for the pixels that may be drawn.
+/// Calls `use(y, x)` for the pixels that can be sampled.
 template <typename Use>
 void forPixels(const JudgedScene& scene, const HeldOutBand& band, const Use& use) {
   for (int y = 0; y < scene.truth.rows; ++y) {
@@ -105,7 +105,7 @@ std::vector<NaiveSample> naiveConfidenceSamples(const JudgedScene& scene, std::u
   return samples;
 }
 
-/// Proposals of a pixel that are none of the others, with the pixel's own within 1 px of it.
+/// Distinct proposals of a pixel, including the pixel's own within 1 px.
 std::vector<int> differentProposals(const std::array<NaiveNeighbor, kSources>& proposals) {
   std::vector<int> different = {0};
   std::set<int> seen;
@@ -167,7 +167,7 @@ TEST(SelectionSamples, AreAllDifferentProposalsOfThese) {
   }
 }
 
-/// Those that are drawn are some of all.
+/// The drawn samples are a subset of all samples.
 TEST(ConfidenceSamples, AreNoMoreThanAskedFor) {
   const JudgedScene scene = makeScene({60, 37, {0, 30}});
   ConfidenceSamples all;

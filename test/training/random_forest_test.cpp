@@ -31,14 +31,14 @@ std::vector<float> walk(const Forest& forest, const Samples& samples) {
   return probabilities;
 }
 
-/// On one thread: these forests are too small for more.
+/// Uses one thread, because these forests are too small for more.
 class RandomForest : public testing::Test {
  protected:
   const tbb::global_control one_thread_{tbb::global_control::max_allowed_parallelism, 1};
 };
 
-/// With one tree on all samples, samples of the same answer are those of a leaf (or of leaves with
-/// the same share), and the answer is the share that is correct.
+/// With one tree on all samples, samples with the same result belong to one leaf (or to leaves with
+/// the same fraction), and the result is the fraction of correct samples.
 TEST_F(RandomForest, LeavesHoldTheShareOfCorrectSamples) {
   const Samples samples = checkerboard(30000);
   RandomForestOptions options;
@@ -81,7 +81,7 @@ TEST_F(RandomForest, LearnsTheCheckerboard) {
   EXPECT_NEAR(probability(0.7, 0.8), 0.1, 0.1);
 }
 
-/// The labels hang on features 2 and 15 alone.
+/// The labels depend only on features 2 and 15.
 TEST_F(RandomForest, NamesTheFeaturesThatMatter) {
   RandomForestOptions options;
   options.trees = 10;
@@ -132,7 +132,7 @@ TEST_F(RandomForest, RefusesImpossibleOptions) {
   EXPECT_THROW(trainRandomForest(one_class, {}, 1), Error);
 }
 
-/// A model of XGBoost's own, trained by its interface as a user would, and what it predicts.
+/// A model trained with the XGBoost API directly, and its predictions.
 class XgboostModel {
  public:
   XgboostModel(const Samples& samples, const std::string& objective,

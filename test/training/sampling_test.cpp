@@ -26,7 +26,7 @@ TrainingPair shiftedPair() {
   pair.truth.colRange(0, 30).setTo(std::numeric_limits<float>::infinity());
   pair.mask = cv::Mat(40, 90, CV_8UC1, cv::Scalar(255));
   pair.mask.rowRange(0, 10).setTo(128);
-  pair.mask.col(89).setTo(128);  // its window differs beyond the border
+  pair.mask.col(89).setTo(128);  // the window differs outside the border
   pair.range = kRange;
   return pair;
 }
@@ -62,13 +62,13 @@ TEST(Sampling, NeverDrawsMaskedOrUnknownPixels) {
 
 TEST(Sampling, SkipsWrongDisparitiesThatDoNotExist) {
   TrainingPair pair = shiftedPair();
-  pair.range = {kTruth, 2};  // nothing below truth − 1, nothing above truth + 1
+  pair.range = {kTruth, 2};  // nothing below truth − 1 or above truth + 1
   Samples samples;
   appendSamples(pair, 100, 7, samples);
   EXPECT_EQ(samples.count(), 100);
 }
 
-/// Two disparities in every list: the correct one and one above, or one of them alone.
+/// Two disparities in every list: the correct one and one above it, or only one of them.
 SearchSpace listsOf(const TrainingPair& pair, const std::vector<int>& disparities) {
   SearchSpace space;
   space.build(pair.left.rows, pair.left.cols, pair.range, [&](int, SearchSpace::Row& row) {
@@ -98,7 +98,7 @@ TEST(SamplingOverWindows, DrawsWhatIsInTheLists) {
   EXPECT_EQ(draw({kTruth + 1}).count(), 0) << "neither correct nor wrong";
 }
 
-/// The features are those of the whole range if the lists hold it, and not if they do not.
+/// The features equal those of the whole range if the lists contain it, otherwise they differ.
 TEST(SamplingOverWindows, CompetitorsAreThoseOfTheLists) {
   const TrainingPair pair = shiftedPair();
   Samples expected;
@@ -120,7 +120,7 @@ TEST(SamplingOverWindows, CompetitorsAreThoseOfTheLists) {
 
 TEST(HalvePair, TakesTheTruthWhereFourPixelsAgree) {
   TrainingPair pair = shiftedPair();
-  pair.truth.at<float>(12, 41) = kTruth + 3;  // an edge
+  pair.truth.at<float>(12, 41) = kTruth + 3;  // a depth edge
   pair.mask.at<std::uint8_t>(15, 44) = 128;
   const TrainingPair half = halvePair(pair);
   ASSERT_EQ(half.left.size(), cv::Size(45, 20));
@@ -151,7 +151,7 @@ TEST(Sampling, HoldsOutTheRowsOfABand) {
   }
 }
 
-/// Whatever the rows of the band hold, the samples that are trained on are the same.
+/// The training samples do not depend on the rows of the held-out band.
 TEST(Sampling, TrainsOnNothingThatTheHeldOutSamplesSee) {
   TrainingPair pair = shiftedPair();
   const std::uint64_t seed = 3;
@@ -171,7 +171,7 @@ TEST(Sampling, TrainsOnNothingThatTheHeldOutSamplesSee) {
   };
   const std::vector<float> before = trained();
   EXPECT_FALSE(before.empty());
-  const int reach = 5;  // of the largest window
+  const int reach = 5;  // half size of the largest window
   const int first = std::max(0, band.begin - reach);
   const int last = std::min(40, band.end + reach);
   makeGrey({90, last - first}, Content::kNoise, 9).copyTo(pair.left.rowRange(first, last));

@@ -46,7 +46,7 @@ TEST(CrossFittingGroups, AreFewerWithFewScenes) {
   EXPECT_THAT(crossFittingGroups({}, 3), ElementsAre());
 }
 
-/// Rendered scenes and a training that takes little time.
+/// Rendered scenes and a fast training.
 class SecondForest : public testing::Test {
  protected:
   SecondForest() {
@@ -112,7 +112,7 @@ TEST_F(SecondForest, IsTheSameFromItsFile) {
   expectSame(*read.selection, *forest.selection);
 }
 
-/// It tells right from wrong on a scene that it has not seen.
+/// The forest separates right from wrong on an unseen scene.
 TEST_F(SecondForest, KnowsWhereAnotherMapIsRight) {
   const auto forest = std::make_shared<Forest>(train());
   const RenderedScene scene = renderScene(120, 90, 9);
@@ -145,7 +145,7 @@ TEST_F(SecondForest, LearnsFromNoMorePixelsThanAllowed) {
   EXPECT_THAT(forest.confidence->record.options, HasSubstr("pixels per scene 1000"));
 }
 
-/// Half of the truth lies 2 px beside what is seen: errors that are none of the deviation.
+/// Half of the truth is 2 px off. These errors must not affect the standard deviation.
 TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
   for (int s = 0; s < 3; ++s) {
     RenderedScene scene = renderScene(120, 90, s);
@@ -159,7 +159,7 @@ TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
   EXPECT_THAT(forest.confidence->sigma_px, Each(Le(1.0)));
 }
 
-/// A wall of noise, where every disparity that the truth knows is right.
+/// A wall of noise, where every disparity with known truth is correct.
 RenderedScene makeWall(std::uint32_t seed) {
   constexpr int kDisparity = 5;
   RenderedScene scene;

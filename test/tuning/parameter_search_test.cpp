@@ -14,7 +14,7 @@
 namespace cbmv {
 namespace {
 
-/// A valley with its floor at P2 = 5, four runs of aggregation and a sigma of 3.
+/// A valley with its minimum at P2 = 5, four aggregation iterations and a sigma of 3.
 double valley(const StereoOptions& options) {
   return std::abs(std::log(options.sgm.p2 / 5.0)) +
          0.3 * std::abs(options.aggregation.iterations_after - 4) +
@@ -29,7 +29,7 @@ StereoOptions farAway() {
   return start;
 }
 
-/// Runs a search and keeps what it tells.
+/// Runs a search and records its progress.
 struct LoggedSearch {
   explicit LoggedSearch(const SearchSettings& settings, const Objective& objective = valley) {
     const ParameterSpace space({"P2", "cbca_iterations_after", "bilateral_sigma"});
@@ -56,7 +56,7 @@ TEST(ParameterSearch, FindsTheFloorOfAValley) {
 }
 
 TEST(ParameterSearch, LooksAllOverTheSpaceFirst) {
-  // A hole far from the start; a search around the start finds no slope to it.
+  // A hole far from the start; a local search around the start finds no slope towards it.
   const Objective hole = [](const StereoOptions& options) {
     return options.refinement.bilateral_sigma_px < 4 ? 0.0 : 1.0;
   };

@@ -26,8 +26,8 @@ TEST(ParameterSpace, GoesFromBoundToBound) {
   EXPECT_EQ(space.optionsAt({-1, 2, 0}, {}).refinement.bilateral_sigma_px, 10.0F);
 }
 
-/// All parameters at once, at random points: whole numbers are whole, windows odd, the options
-/// consistent, and what is not searched stays.
+/// All parameters at once, at random points: integers are whole, windows odd, options consistent,
+/// and parameters that are not searched do not change.
 TEST(ParameterSpace, HoldsOnlyOptionsThatWork) {
   const ParameterSpace space(defaultSearchParameters());
   StereoOptions others;

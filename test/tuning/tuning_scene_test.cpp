@@ -24,7 +24,7 @@ std::shared_ptr<const Forest> forestOf(const std::string& name, const std::strin
   return std::make_shared<Forest>(forest);
 }
 
-/// Two rendered scenes, of which One has a vertical offset.
+/// Two rendered scenes; One has a vertical offset.
 class TuningSceneTest : public testing::Test {
  protected:
   TuningSceneTest() {

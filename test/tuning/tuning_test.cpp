@@ -15,7 +15,7 @@
 namespace cbmv {
 namespace {
 
-/// Noisy rendered scenes under names of Middlebury, one in each fold, and a bad preset.
+/// Noisy rendered scenes with names from Middlebury, one in each fold, and a bad preset.
 class TuningTest : public testing::Test {
  protected:
   TuningTest() {
@@ -27,7 +27,7 @@ class TuningTest : public testing::Test {
     }
     request_.scenes = chooseScenes({DataSet::open("middlebury_v3:" + folder_.file("data"))}, {});
     Forest forest = readForest(CBMV_SOURCE_DIR "/models/middlebury.forest");
-    forest.provenance.scenes.clear();  // the rendered scenes are others
+    forest.provenance.scenes.clear();  // the rendered scenes are different
     request_.forests = {std::make_shared<Forest>(forest)};
     request_.objectives = {"bad_1"};
     request_.parameters = {"P1", "P2", "cbca_iterations_after"};
@@ -64,7 +64,7 @@ TEST_F(TuningTest, ImprovesABadPreset) {
   }
   EXPECT_EQ(presetText(reports_.back()), presetText(report));
 
-  request_.start = report.options;  // the end of one search is the start of another
+  request_.start = report.options;  // the second search starts from the result of the first
   request_.search.evaluations = 1;
   EXPECT_EQ(run().data_sets[0].before, data_set.after);
 }

@@ -22,8 +22,7 @@ MatchingVolume buildVolume(const Shape& shape, const Forest& forest) {
 
 class VolumeBuilderTest : public testing::TestWithParam<Shape> {};
 
-/// Expects the volume to hold `cost_of(features, h)` of each hypothesis inside, number h of its
-/// disparity.
+/// Expects `cost_of(features, h)` at each hypothesis inside; h is its index within its disparity.
 template <typename CostOf>
 void expectCosts(const Shape& shape, const MatchingVolume& volume, const CostOf& cost_of) {
   MatcherSet matchers;
@@ -75,7 +74,8 @@ TEST_P(VolumeBuilderTest, MatchersThatNoTreeAsksForDoNotMatter) {
       level.feature = static_cast<std::uint8_t>(level.feature % (2 * kFeaturesPerMatcher));
     }
   }
-  Forest asks_for_all = forest;  // the same answers: all leaves of the new tree are zero
+  Forest asks_for_all =
+      forest;  // the result is the same, because all leaves of the new tree are zero
   for (const int matcher : {kCensus, kNcc, kZeroMeanSad, kSobelSad}) {
     const auto feature = static_cast<std::uint8_t>(featureIndex(matcher, kCost));
     asks_for_all.trees.push_back({{{feature, 9}}, {0, 0}});
@@ -112,8 +112,8 @@ TEST_P(VolumeBuilderTest, RightViewIsShiftedLeftView) {
   }
 }
 
-/// Mirrored images with left and right swapped have the mirrored right view's volume: the forest
-/// does not know which image is which.
+/// Mirrored images with left and right exchanged yield the mirrored volume of the right view: the
+/// forest does not depend on which image is left.
 TEST_P(VolumeBuilderTest, SwappingTheImagesGivesTheRightView) {
   const Shape shape = GetParam();
   const Forest forest = makeForest(30, 6, 5);
@@ -124,8 +124,8 @@ TEST_P(VolumeBuilderTest, SwappingTheImagesGivesTheRightView) {
   cv::Mat mirrored_right;
   cv::flip(makeGrey(shape.size(), Content::kPatches, 1), mirrored_left, 1);
   cv::flip(makeGrey(shape.size(), Content::kPatches, 2), mirrored_right, 1);
-  // Census and the Sobel differences are symmetric to the last bit; the rounding of sums is not
-  // touched as they are of integers.
+  // Census and Sobel differences are symmetric to the last bit. Rounding of sums does not matter,
+  // because they are sums of integers.
   MatchingVolume swapped;
   VolumeBuilder().build(mirrored_right, mirrored_left, shape.range, forest, ForestEvaluator(forest),
                         swapped);

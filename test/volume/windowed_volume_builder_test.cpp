@@ -37,7 +37,7 @@ std::vector<std::uint8_t> costsOf(const WindowedMatchingVolume& volume) {
   return {volume.entry(0), volume.entry(volume.entries())};
 }
 
-/// Plain loops over the hypotheses of one row: costs of the whole range, terms of the space alone.
+/// Plain loops over the hypotheses of one row: costs of the whole range, terms of the space only.
 class RowReference {
  public:
   RowReference(const MatcherSet& matchers, const SearchSpace& space, int y)
@@ -50,7 +50,7 @@ class RowReference {
     }
   }
 
-  /// Hypothesis (x, i) belongs to the space and has its match inside.
+  /// Whether hypothesis (x, i) is in the space and has its match inside.
   bool isWanted(int x, int i) const {
     const SearchSpace::Tile tile = space_.tile(y_, x / kTileColumns);
     const int match = x - space_.range().min - i;
@@ -126,10 +126,10 @@ class RowReference {
   std::array<std::vector<Terms>, kMatcherCount> left_, right_;
 };
 
-/// Whether the forest gives the cost where the codes may be off by what single precision leaves
-/// open: a code at the border of two may be either.
+/// Whether the cost is possible for the forest if codes vary by the error of single precision: a
+/// value at the limit of two codes may get either.
 bool isPossible(const Forest& forest, const std::array<double, kFeatureCount>& features, int cost) {
-  constexpr double kTolerance = 0.02;  // of a code
+  constexpr double kTolerance = 0.02;  // codes
   int lowest = 255;
   int highest = 0;
   for (const double shift : {-kTolerance, 0.0, kTolerance}) {
@@ -179,7 +179,7 @@ TEST_P(WindowedVolumeBuilderTest, HoldsTheForestsAnswerWithCompetitorsOfTheSpace
       }
     }
   }
-  // Where several codes lie at a border at once, other costs are possible, too.
+  // If several codes are at a limit at once, other costs are possible, too.
   EXPECT_LE(different, hypotheses / 200) << "of " << hypotheses;
 }
 

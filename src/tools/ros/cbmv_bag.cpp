@@ -1,4 +1,4 @@
-// Processes recordings of a stereo camera.
+// Processes bags of a stereo camera.
 
 #include <csignal>
 #include <cstdio>
@@ -30,7 +30,7 @@ namespace cbmv {
 namespace {
 
 constexpr const char* kTool = "cbmv_bag";
-constexpr int kIncomplete = 3;  ///< exit status: done as far as possible, but not all
+constexpr int kIncomplete = 3;  ///< exit status: finished, but some frames are missing
 volatile std::sig_atomic_t stop_requested = 0;
 
 struct Arguments {
@@ -50,7 +50,7 @@ void writeJson(const std::string& path, const std::string& json) {
   }
 }
 
-/// What --format asks for; auto: files in folders, else a bag.
+/// Parses --format; auto: files for a folder, else a bag.
 std::optional<DisparityFormat> fileFormat(const std::string& format, const std::string& output) {
   if (format == "kitti") {
     return DisparityFormat::kKitti;
@@ -62,7 +62,7 @@ std::optional<DisparityFormat> fileFormat(const std::string& format, const std::
              : std::nullopt;
 }
 
-/// What became of the output, and on stderr why it is not all that was asked for.
+/// Reports the output, and on stderr why it is incomplete.
 void reportOutput(const std::string& output, const ConversionSummary& summary) {
   for (const std::string& problem : summary.problems) {
     std::fprintf(stderr, "%s: %s\n", kTool, problem.c_str());
@@ -73,7 +73,7 @@ void reportOutput(const std::string& output, const ConversionSummary& summary) {
   std::printf(text, output.c_str());
 }
 
-/// Before a long run, which may have to be another one.
+/// Reports the plan before a long run, so that the user can stop it.
 void reportPlan(const ConversionSummary& summary) {
   std::printf("%s\n", summary.plan.topics.rectification.c_str());
   std::fflush(stdout);
@@ -93,7 +93,7 @@ std::vector<std::string> inputFiles(const Arguments& arguments) {
   return files;
 }
 
-/// Before the work, whose result could not be kept.
+/// Checks the JSON path before the work starts.
 void requireWritableJson(const Arguments& arguments) {
   if (arguments.json.empty()) {
     return;
@@ -227,7 +227,7 @@ void addCompression(CLI::App& app, std::string& compression) {
       ->capture_default_str();
 }
 
-/// A check takes the options of processing, but needs none of them.
+/// `check` accepts the options of processing, but requires none of them.
 void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   ConversionOptions& options = arguments.conversion;
   app.add_option("--output", options.output, "The bag to write, or the folder, see --format")
@@ -256,8 +256,9 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   app.add_option("--json", arguments.json, "File for the summary");
 }
 
-/// Every frame frees some MB and takes them again, on another thread as a rule: they are kept, in
-/// one place for all threads. Given back to the system in between, they cost a tenth of the time.
+/// Keeps freed memory in the process, shared by all threads. Each frame frees and allocates some
+/// MB, usually on different threads. Returning it to the system in between costs about 10 % of the
+/// time.
 void keepFreedMemory() {
 #ifdef __GLIBC__
   mallopt(M_ARENA_MAX, 1);
@@ -299,16 +300,16 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
 }  // namespace
 }  // namespace cbmv
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int) { cbmv::stop_requested = 1; });
   }
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // reports the file size limit as an error, like a full disk
 
   cbmv::keepFreedMemory();
 
-  // By hand: CLI11 would ask the subcommands for the options that processing requires.
+  // Parsed manually, because CLI11 would require the options of processing for the subcommands too.
   const std::string command = argc > 1 ? argv[1] : "";
   if (command == "merge") {
     return cbmv::runMerge(argc - 1, argv + 1);

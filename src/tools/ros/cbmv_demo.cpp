@@ -1,4 +1,4 @@
-// Makes bags for scripts/demo, and shows what a node made of them.
+// Creates bags for scripts/demo and shows the results of the node.
 
 #include <algorithm>
 #include <cstdio>
@@ -91,13 +91,13 @@ void render(const std::string& folder) {
   writeMiddleburyCalibration(folder + "/calib.txt", calibration);
 }
 
-/// The last message of each kind in a bag that was recorded from the node, and all of its status.
+/// The last message of each type in a bag recorded from the node, and all Status messages.
 struct Recording {
   stereo_msgs::DisparityImageConstPtr disparity;
   sensor_msgs::ImageConstPtr confidence;
   sensor_msgs::PointCloud2ConstPtr points;
   std::vector<cbmv_stereo::Status> statuses;
-  std::vector<ros::Time> times;  ///< when each status was recorded
+  std::vector<ros::Time> times;  ///< recording time of each status
 };
 
 Recording readRecording(const std::string& path) {
@@ -175,8 +175,8 @@ struct ReportArguments {
   std::string bag, left, truth, calibration, output;
 };
 
-/// Writes the pictures of a recording and, side by side at half size, left image, disparity and
-/// confidence.
+/// Writes the images of a recording, and left image, disparity and confidence side by side at half
+/// size.
 void writePictures(const Recording& recording, const RecordedDisparity& disparity,
                    const ReportArguments& arguments) {
   const cv::Mat disparity_picture =
@@ -222,7 +222,7 @@ void report(const ReportArguments& arguments) {
 }  // namespace
 }  // namespace cbmv
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an option that is declared wrongly
+// NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{"Bags of one stereo pair for scripts/demo"};
   app.require_subcommand(1);

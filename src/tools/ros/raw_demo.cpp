@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// File names of the pairs in a folder: leftNUMBER and rightNUMBER, in the order of their names.
+/// File names of the pairs in a folder, leftNUMBER and rightNUMBER, sorted by name.
 std::vector<std::pair<std::string, std::string>> pairsIn(const std::string& folder) {
   std::vector<std::pair<std::string, std::string>> pairs;
   const std::regex left_name("left([0-9]+\\.(jpg|png))");
@@ -66,7 +66,7 @@ void writeCameraFile(const std::string& path, const std::string& name,
   }
 }
 
-/// A bag as the driver of a stereo camera records it.
+/// A bag as recorded from the driver of a stereo camera.
 class RawBag {
  public:
   RawBag(const std::string& path, const CalibratedRig& rig)
@@ -112,7 +112,7 @@ CalibratedRig calibratePairs(const std::vector<std::pair<cv::Mat, cv::Mat>>& pai
   return rig;
 }
 
-/// What was recorded from the node, by stamp.
+/// Messages recorded from the node, by stamp.
 struct RawRecording {
   std::map<ros::Time, sensor_msgs::ImageConstPtr> lefts, disparities;
   cbmv_stereo::Rectification rectification;  ///< the newest

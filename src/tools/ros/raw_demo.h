@@ -13,10 +13,9 @@ struct CalibrateArguments {
   double rate_hz = 1.0;
 };
 
-/// Calibrates by the pairs of a folder and prints how well that went; writes left.yaml and
-/// right.yaml as camera_calibration_parsers reads them, and raw.bag with the pairs as a driver
-/// publishes them in /stereo. Throws Error if there are no pairs, or too few of them show the
-/// board.
+/// Calibrates a rig from the image pairs of a folder and prints the errors. Writes left.yaml and
+/// right.yaml for camera_calibration_parsers, and raw.bag with the pairs in namespace /stereo, as
+/// published by a driver. Throws Error if there are no pairs or too few of them show the board.
 void calibrate(const CalibrateArguments& arguments);
 
 struct ShowRawArguments {
@@ -24,8 +23,8 @@ struct ShowRawArguments {
   std::size_t frames = 3;
 };
 
-/// Writes a picture of a recording: left images as rectified, each beside its disparities. Prints
-/// how far apart the node found the rows. Throws Error if there is no frame.
+/// Writes a picture of a bag: rectified left images beside their disparities. Prints the vertical
+/// offset that the node measured. Throws Error if there is no frame.
 void showRaw(const ShowRawArguments& arguments);
 
 }  // namespace cbmv

@@ -2,9 +2,10 @@
 
 #include <atomic>
 
-// For ThreadSanitizer, which does not see into Debian's oneTBB (cmake/sanitizers.cmake): what comes
-// before a parallel loop happens before each of its steps, and these before what comes behind the
-// loop. Nothing is said of two steps, so that a race between them is still found.
+// For ThreadSanitizer, which does not see the synchronization in Debian's oneTBB
+// (cmake/sanitizers.cmake). Code before a parallel loop happens before each iteration, and each
+// iteration happens before the code after the loop. Iterations are not ordered, so races between
+// them are still found.
 
 namespace tbb {
 
@@ -12,7 +13,7 @@ class LoopOrder {
  public:
   LoopOrder() { begun_.store(1, std::memory_order_release); }
 
-  /// Runs one step of the loop.
+  /// Runs one iteration of the loop.
   template <typename Step>
   auto run(const Step& step) {
     begun_.load(std::memory_order_acquire);
@@ -20,7 +21,7 @@ class LoopOrder {
     return step();
   }
 
-  /// Behind the loop.
+  /// Call after the loop.
   void end() { ended_.load(std::memory_order_acquire); }
 
  private:

@@ -6,7 +6,7 @@
 
 namespace tbb {
 
-/// Whose work may be done by another thread.
+/// A task_arena whose work may run on another thread.
 class ordered_task_arena : public task_arena {
  public:
   using task_arena::task_arena;
