@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/per_thread.h"
-#include "optimization/sgm_paths.h"
+#include "optimization/dense_sgm_paths.h"
 
 namespace cbmv {
 namespace {
@@ -70,7 +70,7 @@ class SemiGlobalMatcher::Impl {
       const int x = static_cast<int>(i) * kColumnsPerBlock;
       blocks_[i].resize(setup_, cv::Range(x, std::min(x + kColumnsPerBlock, width)));
     }
-    rows_.prepare([&](RowPaths& paths) { paths.resize(setup_); });
+    rows_.prepare([&](DenseRowPaths& paths) { paths.resize(setup_); });
   }
 
   /// Passes over the volumes twice. Downward in bands of rows: first along the rows, then along the
@@ -89,9 +89,9 @@ class SemiGlobalMatcher::Impl {
                       [&](std::size_t i) { blocks_[i].runUp(costs, sums); });
   }
 
-  PathSetup setup_;
-  std::vector<ColumnPaths> blocks_;
-  PerThread<RowPaths> rows_;
+  DensePathSetup setup_;
+  std::vector<DenseColumnPaths> blocks_;
+  PerThread<DenseRowPaths> rows_;
 };
 
 SemiGlobalMatcher::SemiGlobalMatcher() : impl_(std::make_unique<Impl>()) {}

@@ -24,7 +24,7 @@
 namespace cbmv {
 
 /// Common data of all paths, except the costs.
-struct PathSetup {
+struct DensePathSetup {
   View view = View::kLeft;
   DisparityRange range;
   int width = 0;
@@ -53,7 +53,8 @@ struct PathStep {
 /// Penalties for all hypotheses of the pixels of a row or a part of it.
 class PenaltyRow {
  public:
-  void resize(const PathSetup& setup, const cv::Range& columns, const SgmPenalties& penalties) {
+  void resize(const DensePathSetup& setup, const cv::Range& columns,
+              const SgmPenalties& penalties) {
     first_column_ = columns.start;
     width_ = setup.width;
     penalties_ = penalties;
@@ -151,9 +152,9 @@ PathPixels<Cost> pixelsOf(const Volume<Cost>& costs, int y, const cv::Range& col
 }
 
 /// The paths along rows.
-class RowPaths {
+class DenseRowPaths {
  public:
-  void resize(const PathSetup& setup) {
+  void resize(const DensePathSetup& setup) {
     setup_ = &setup;
     columns_ = cv::Range(0, setup.width);
     from_left_.resize(setup, columns_, setup.horizontal);
@@ -176,7 +177,7 @@ class RowPaths {
   }
 
  private:
-  const PathSetup* setup_ = nullptr;
+  const DensePathSetup* setup_ = nullptr;
   cv::Range columns_;
   PenaltyRow from_left_;
   PenaltyRow from_right_;
@@ -184,9 +185,9 @@ class RowPaths {
 };
 
 /// The paths along some neighboring columns, first from above, then from below.
-class ColumnPaths {
+class DenseColumnPaths {
  public:
-  void resize(const PathSetup& setup, const cv::Range& columns) {
+  void resize(const DensePathSetup& setup, const cv::Range& columns) {
     setup_ = &setup;
     columns_ = columns;
     penalties_.resize(setup, columns, setup.vertical);
@@ -223,7 +224,7 @@ class ColumnPaths {
                             setup_->surfaceRow(previous)});
   }
 
-  const PathSetup* setup_ = nullptr;
+  const DensePathSetup* setup_ = nullptr;
   cv::Range columns_;
   PenaltyRow penalties_;
   PathFront front_;
