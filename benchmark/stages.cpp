@@ -15,6 +15,7 @@
 #include "matching/padded_image.h"
 #include "optimization/grey_deviation.h"
 #include "optimization/semi_global_matching.h"
+#include "optimization/sgm_penalties.h"
 #include "optimization/support_arms.h"
 #include "optimization/surface_prior.h"
 #include "optimization/windowed_aggregation.h"
