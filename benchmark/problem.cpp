@@ -29,7 +29,7 @@ std::filesystem::path motorcycleFolder() {
 }
 
 cv::Mat readScaled(const std::filesystem::path& path, const Problem& problem) {
-  const cv::Mat image = readGreyImage(path.string());
+  const cv::Mat image = readGrayImage(path.string());
   const cv::Size size(problem.width, problem.height);
   cv::Mat scaled;
   cv::resize(image, scaled, size, 0, 0,

@@ -96,9 +96,9 @@ struct StageData {
 
 namespace {
 
-void computeArms(const StageData& data, const cv::Mat& grey, cv::Mat& arms) {
+void computeArms(const StageData& data, const cv::Mat& gray, cv::Mat& arms) {
   const AggregationOptions& options = data.options.aggregation;
-  computeSupportArms(grey, options.arm_length_px, options.intensity_threshold * greyDeviation(grey),
+  computeSupportArms(gray, options.arm_length_px, options.intensity_threshold * grayDeviation(gray),
                      arms);
 }
 
@@ -226,8 +226,8 @@ void StageData::optimize() {
   computeArms(*this, pair.left, arms.reference);
   computeArms(*this, pair.right, arms.other);
   arms.longest_px = options.aggregation.arm_length_px - 1;
-  edges = {pair.left, pair.right, options.sgm.edge_threshold * greyDeviation(pair.left),
-           options.sgm.edge_threshold * greyDeviation(pair.right)};
+  edges = {pair.left, pair.right, options.sgm.edge_threshold * grayDeviation(pair.left),
+           options.sgm.edge_threshold * grayDeviation(pair.right)};
   sgm.match(space, volume, edges, {}, View::kLeft, options.sgm, optimized);
 }
 

@@ -8,6 +8,6 @@
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const cbmv::fuzz::ScratchFile file(data, size);
-  cbmv::fuzz::attempt([&] { cbmv::readGreyImage(file.path()); });
+  cbmv::fuzz::attempt([&] { cbmv::readGrayImage(file.path()); });
   return cbmv::fuzz::attempt([&] { cbmv::readDisparity(file.path(), 256.0); });
 }

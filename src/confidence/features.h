@@ -39,7 +39,7 @@ struct MatcherConstants {
 constexpr std::array<MatcherConstants, kMatcherCount> kMatcherConstants = {{
     {1.0F, 0.01F, 128.0F, false},                                       // census
     {1.0F, 1.01F, 0.02F, true},                                         // NCC
-    {1.0F / ZeroMeanSadMatcher::kUnitsPerGrey, 0.01F, 20000.0F, true},  // zero-mean SAD
+    {1.0F / ZeroMeanSadMatcher::kUnitsPerGray, 0.01F, 20000.0F, true},  // zero-mean SAD
     {1.0F, 0.01F, 20000.0F, true},                                      // Sobel SAD
 }};
 

@@ -15,7 +15,7 @@ cv::Mat readVisible(const fs::path& file, const cv::Mat& truth, const fs::path& 
   if (!fs::exists(file)) {
     return visibleInBoth(truth);
   }
-  const cv::Mat mask = readGreyImage(file.string());
+  const cv::Mat mask = readGrayImage(file.string());
   requireSameSize(file, mask.size(), truth_file, truth.size());
   return (mask == 255) & (truth == truth);  // NaN differs from itself
 }

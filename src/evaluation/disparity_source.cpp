@@ -5,13 +5,13 @@
 #include <limits>
 #include <utility>
 
-#include "pipeline/machine_memory.h"
 #include "io/binary_file.h"
 #include "io/disparity_file.h"
 #include "io/file_extension.h"
 #include "io/image_file.h"
 #include "io/pfm.h"
 #include "pipeline/frame_processor.h"
+#include "pipeline/machine_memory.h"
 
 #include "cbmv_stereo/stereo_matcher.h"
 

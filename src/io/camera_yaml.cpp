@@ -85,7 +85,7 @@ StereoCalibration readCameraYamlPair(const std::string& left_path, const std::st
   requireRectified(left, left_path);
   requireRectified(right, right_path);
   requireSame(left.projection[0], right.projection[0], "focal length", right_path);
-  requireSame(left.projection[6], right.projection[6], "centre row", right_path);
+  requireSame(left.projection[6], right.projection[6], "center row", right_path);
   requireSame(left.width, right.width, "image width", right_path);
   requireSame(left.height, right.height, "image height", right_path);
   if (!(right.projection[3] < left.projection[3])) {

@@ -46,7 +46,7 @@ GrayPair readGrayPair(const std::string& left_path, const std::string& right_pat
   return toGrayPair(left, right);
 }
 
-cv::Mat readGreyImage(const std::string& path) {
+cv::Mat readGrayImage(const std::string& path) {
   const cv::Mat image = readImage(path);
   return toGrayPair(image, image).left;
 }

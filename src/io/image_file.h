@@ -25,7 +25,7 @@ GrayPair readGrayPair(const std::string& left_path, const std::string& right_pat
 
 /// Reads one image as CV_8UC1, for example a mask. Use readGrayPair for pairs: it stretches both
 /// 16-bit images in the same way. Errors as in readImage.
-cv::Mat readGreyImage(const std::string& path);
+cv::Mat readGrayImage(const std::string& path);
 
 /// Reads an image as CV_8UC3 (BGR) with toColor8 (gray_pair.h). Errors as in readImage.
 cv::Mat readColorImage(const std::string& path);

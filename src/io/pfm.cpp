@@ -38,7 +38,7 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   std::array<char, 2> magic{};
   in.read(magic.data(), magic.size());
   if (!in || magic[0] != 'P' || magic[1] != 'f') {
-    throw Error("Cannot read " + path + ": it is not a grey portable float map, which begins " +
+    throw Error("Cannot read " + path + ": it is not a gray portable float map, which begins " +
                 "with \"Pf\".");
   }
   long long width = 0;

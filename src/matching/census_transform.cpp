@@ -23,16 +23,16 @@ using Bytes = hn::CappedTag<std::uint8_t, 64>;
 
 /// Sets `bits[x]` to the bits of the `count` ≤ 8 neighbors at the given memory distances. A bit is
 /// 1 if the neighbor is darker than the pixel.
-HWY_INLINE void compareNeighbours(const std::uint8_t* pixels, const std::ptrdiff_t* first_distance,
-                                  int count, int width, std::uint8_t* bits) {
+HWY_INLINE void compareNeighbors(const std::uint8_t* pixels, const std::ptrdiff_t* first_distance,
+                                 int count, int width, std::uint8_t* bits) {
   std::array<std::ptrdiff_t, 8> distances{};  // local copy: storing a byte may alias others
   std::copy_n(first_distance, count, distances.begin());
   forLanes(Bytes(), 0, width, [=](auto tag, int x, int) HWY_ATTR {
-    const auto centre = hn::LoadU(tag, pixels + x);
+    const auto center = hn::LoadU(tag, pixels + x);
     auto darker = hn::Zero(tag);
     for (int bit = 0; bit < count; ++bit) {
-      const auto neighbour = hn::LoadU(tag, pixels + x + distances[bit]);
-      darker = hn::Or(darker, hn::IfThenElseZero(hn::Lt(neighbour, centre),
+      const auto neighbor = hn::LoadU(tag, pixels + x + distances[bit]);
+      darker = hn::Or(darker, hn::IfThenElseZero(hn::Lt(neighbor, center),
                                                  hn::Set(tag, 1U << static_cast<unsigned>(bit))));
     }
     hn::StoreU(darker, tag, bits + x);
@@ -43,11 +43,11 @@ void transformRow(const std::uint8_t* pixels, const std::vector<std::ptrdiff_t>&
                   int width, std::uint8_t* bits) {
   std::size_t first = 0;
   for (; first + 8 <= distances.size(); first += 8, bits += width) {
-    compareNeighbours(pixels, &distances[first], 8, width, bits);
+    compareNeighbors(pixels, &distances[first], 8, width, bits);
   }
   if (first < distances.size()) {
-    compareNeighbours(pixels, &distances[first], static_cast<int>(distances.size() - first), width,
-                      bits);
+    compareNeighbors(pixels, &distances[first], static_cast<int>(distances.size() - first), width,
+                     bits);
   }
 }
 
@@ -63,8 +63,7 @@ namespace {
 HWY_EXPORT(transformRow);
 
 /// Distances in memory from a pixel to its neighbors, in raster order.
-void findNeighbours(cv::Size window, std::ptrdiff_t stride,
-                    std::vector<std::ptrdiff_t>& distances) {
+void findNeighbors(cv::Size window, std::ptrdiff_t stride, std::vector<std::ptrdiff_t>& distances) {
   distances.clear();
   for (int dy = -window.height / 2; dy <= window.height / 2; ++dy) {
     for (int dx = -window.width / 2; dx <= window.width / 2; ++dx) {
@@ -80,12 +79,12 @@ void findNeighbours(cv::Size window, std::ptrdiff_t stride,
 void CensusTransform::prepare(const cv::Mat& padded, cv::Size window) {
   padded_ = padded;
   width_ = padded.cols - 2 * kMatchingBorderPx;
-  findNeighbours(window, static_cast<std::ptrdiff_t>(padded.step1()), neighbour_distances_);
+  findNeighbors(window, static_cast<std::ptrdiff_t>(padded.step1()), neighbor_distances_);
 }
 
 void CensusTransform::computeRow(int y, std::uint8_t* bits) const {
   HWY_DYNAMIC_DISPATCH(transformRow)
-  (paddedRow<std::uint8_t>(padded_, y), neighbour_distances_, width_, bits);
+  (paddedRow<std::uint8_t>(padded_, y), neighbor_distances_, width_, bits);
 }
 
 }  // namespace cbmv

@@ -18,7 +18,7 @@ class CensusTransform {
   void prepare(const cv::Mat& padded, cv::Size window);
 
   /// Bytes per pixel.
-  int bytes() const { return (static_cast<int>(neighbour_distances_.size()) + 7) / 8; }
+  int bytes() const { return (static_cast<int>(neighbor_distances_.size()) + 7) / 8; }
   int width() const { return width_; }
 
   /// Computes row y: byte k of column x is bits[k · width() + x].
@@ -27,7 +27,7 @@ class CensusTransform {
  private:
   cv::Mat padded_;
   int width_ = 0;
-  std::vector<std::ptrdiff_t> neighbour_distances_;  ///< in memory, in raster order
+  std::vector<std::ptrdiff_t> neighbor_distances_;  ///< in memory, in raster order
 };
 
 }  // namespace cbmv

@@ -91,7 +91,7 @@ void meansOfRow(const cv::Mat& padded, int y, int width, std::int16_t* means) {
     for (int i = 0; i < count; ++i) {
       const int sum = std::accumulate(&columns[i], &columns[i] + kWindow, 0);
       means[first + i] = static_cast<std::int16_t>(
-          (ZeroMeanSadMatcher::kUnitsPerGrey * sum + kPixels / 2) / kPixels);
+          (ZeroMeanSadMatcher::kUnitsPerGray * sum + kPixels / 2) / kPixels);
     }
   }
 }
@@ -109,7 +109,7 @@ ZeroMeanSadMatcher::Windows ZeroMeanSadMatcher::WindowStatistics::row(int y) con
 void ZeroMeanSadMatcher::prepareImage(const cv::Mat& padded, WindowStatistics& statistics) {
   const int height = padded.rows - 2 * kMatchingBorderPx;
   const int width = padded.cols - 2 * kMatchingBorderPx;
-  padded.convertTo(statistics.padded, CV_16S, kUnitsPerGrey);
+  padded.convertTo(statistics.padded, CV_16S, kUnitsPerGray);
   statistics.means.create(height, width, CV_16SC1);
   tbb::parallel_for(0, height, [&](int y) {
     meansOfRow(padded, y, width, statistics.means.ptr<std::int16_t>(y));

@@ -18,7 +18,7 @@ namespace cbmv {
 class ZeroMeanSadMatcher {
  public:
   static constexpr int kWindowPx = 5;
-  static constexpr int kUnitsPerGrey = 4;
+  static constexpr int kUnitsPerGray = 4;
 
   /// Memory for one row at a time. One per thread.
   struct Scratch {

@@ -51,14 +51,14 @@ ros::Time lastTime(std::size_t bound, const FramePlan& plan) {
   return last;
 }
 
-struct LabelledShard {
+struct LabeledShard {
   std::string path;
   ShardLabel label;
 };
 
 /// Sorted by number.
-std::vector<LabelledShard> readLabels(const std::vector<std::string>& paths) {
-  std::vector<LabelledShard> shards;
+std::vector<LabeledShard> readLabels(const std::vector<std::string>& paths) {
+  std::vector<LabeledShard> shards;
   shards.reserve(paths.size());
   for (const std::string& path : paths) {
     shards.push_back({path, readShardLabel(path)});
@@ -69,9 +69,9 @@ std::vector<LabelledShard> readLabels(const std::vector<std::string>& paths) {
   return shards;
 }
 
-void requireSameOrigin(const std::vector<LabelledShard>& shards) {
-  const LabelledShard& first = shards.front();
-  for (const LabelledShard& other : shards) {
+void requireSameOrigin(const std::vector<LabeledShard>& shards) {
+  const LabeledShard& first = shards.front();
+  for (const LabeledShard& other : shards) {
     if (other.label.origin != first.label.origin) {
       throw Error(first.path + " and " + other.path +
                   " are of different recordings or settings, expected shards of one run. Give "
@@ -85,7 +85,7 @@ void requireSameOrigin(const std::vector<LabelledShard>& shards) {
   }
 }
 
-void requireEachOnce(const std::vector<LabelledShard>& shards) {
+void requireEachOnce(const std::vector<LabeledShard>& shards) {
   const std::size_t count = shards.front().label.shard.count;
   for (std::size_t i = 0; i <= shards.size(); ++i) {
     const std::size_t number = i < shards.size() ? shards[i].label.shard.number : count + 1;
@@ -182,12 +182,12 @@ MergeSummary mergeShards(const MergeOptions& options) {
     throw Error(options.output +
                 " exists. Choose another name for the output, or use --overwrite to replace it");
   }
-  const std::vector<LabelledShard> shards = readLabels(options.shards);
+  const std::vector<LabeledShard> shards = readLabels(options.shards);
   requireSameOrigin(shards);
   requireEachOnce(shards);
   MergeSummary summary;
   std::vector<std::string> paths;
-  for (const LabelledShard& shard : shards) {
+  for (const LabeledShard& shard : shards) {
     paths.push_back(shard.path);
     summary.failed += shard.label.failed;
     summary.damaged |= shard.label.damaged;

@@ -188,11 +188,11 @@ HWY_INLINE void averageRow(const RowToAverage<Sum> row) {
   const auto lanes = static_cast<int>(hn::Lanes(tag));
   for (int i = 0; i < row.columns; ++i) {
     for (int h = 0; h < row.hypotheses; h += 2 * lanes) {
-      const Sum* centre = row.rows[0] + 2 * i * row.pitch + h;
-      auto sums0 = hn::Load(tag, centre);
-      auto sums1 = hn::Load(tag, centre + lanes);
-      auto pixels0 = hn::Load(tag, centre + row.pitch);
-      auto pixels1 = hn::Load(tag, centre + row.pitch + lanes);
+      const Sum* center = row.rows[0] + 2 * i * row.pitch + h;
+      auto sums0 = hn::Load(tag, center);
+      auto sums1 = hn::Load(tag, center + lanes);
+      auto pixels0 = hn::Load(tag, center + row.pitch);
+      auto pixels1 = hn::Load(tag, center + row.pitch + lanes);
       addRowsOnArms(tag, row, 0, i, h, sums0, sums1, pixels0, pixels1);
       addRowsOnArms(tag, row, 1, i, h, sums0, sums1, pixels0, pixels1);
       std::uint16_t* means = row.means + i * row.pixel_step + h;

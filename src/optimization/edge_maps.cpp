@@ -15,35 +15,35 @@ namespace {
 /// `lowest_step` gray levels.
 void markSteps(const std::uint8_t* pixels, std::ptrdiff_t distance, int count, int lowest_step,
                std::uint8_t* edges) {
-  const std::uint8_t* neighbours = pixels - distance;
+  const std::uint8_t* neighbors = pixels - distance;
   for (int x = 0; x < count; ++x) {
-    const int step = std::abs(pixels[x] - neighbours[x]);
+    const int step = std::abs(pixels[x] - neighbors[x]);
     edges[x] = static_cast<std::uint8_t>(step >= lowest_step ? 1 : 0);
   }
 }
 
 }  // namespace
 
-int lowestStep(float threshold_grey) {
-  return static_cast<int>(std::ceil(std::clamp(threshold_grey, 0.0F, 256.0F)));
+int lowestStep(float threshold_gray) {
+  return static_cast<int>(std::ceil(std::clamp(threshold_gray, 0.0F, 256.0F)));
 }
 
-void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges) {
-  const cv::Size size(grey.cols + 1, grey.rows + 1);
+void findEdges(const cv::Mat& gray, float threshold_gray, EdgeMaps& edges) {
+  const cv::Size size(gray.cols + 1, gray.rows + 1);
   edges.horizontal.create(size, CV_8UC1);
   edges.vertical.create(size, CV_8UC1);
-  const int lowest_step = lowestStep(threshold_grey);
-  const auto stride = static_cast<std::ptrdiff_t>(grey.step1());
+  const int lowest_step = lowestStep(threshold_gray);
+  const auto stride = static_cast<std::ptrdiff_t>(gray.step1());
   tbb::parallel_for(0, size.height, [&](int y) {
     auto* horizontal = edges.horizontal.ptr<std::uint8_t>(y);
     auto* vertical = edges.vertical.ptr<std::uint8_t>(y);
     std::fill_n(horizontal, size.width, std::uint8_t{0});
     std::fill_n(vertical, size.width, std::uint8_t{0});
-    if (y < grey.rows) {
-      const auto* pixels = grey.ptr<std::uint8_t>(y);
-      markSteps(pixels + 1, 1, grey.cols - 1, lowest_step, horizontal + 1);
+    if (y < gray.rows) {
+      const auto* pixels = gray.ptr<std::uint8_t>(y);
+      markSteps(pixels + 1, 1, gray.cols - 1, lowest_step, horizontal + 1);
       if (y > 0) {
-        markSteps(pixels, stride, grey.cols, lowest_step, vertical);
+        markSteps(pixels, stride, gray.cols, lowest_step, vertical);
       }
     }
   });

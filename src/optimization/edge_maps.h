@@ -9,8 +9,8 @@ namespace cbmv {
 struct EdgeImages {
   cv::Mat reference;
   cv::Mat other;
-  float reference_threshold_grey = 0;
-  float other_threshold_grey = 0;
+  float reference_threshold_gray = 0;
+  float other_threshold_gray = 0;
 };
 
 /// Edges of an image, CV_8UC1. A pixel (y, x) is non-zero if there is an edge between it and its
@@ -22,9 +22,9 @@ struct EdgeMaps {
 };
 
 /// The lowest whole step that reaches the threshold; 256, which no step reaches, above all of them.
-int lowestStep(float threshold_grey);
+int lowestStep(float threshold_gray);
 
-/// Finds the edges of `grey` (CV_8UC1). Reuses the memory of `edges`. Parallel over rows by oneTBB.
-void findEdges(const cv::Mat& grey, float threshold_grey, EdgeMaps& edges);
+/// Finds the edges of `gray` (CV_8UC1). Reuses the memory of `edges`. Parallel over rows by oneTBB.
+void findEdges(const cv::Mat& gray, float threshold_gray, EdgeMaps& edges);
 
 }  // namespace cbmv

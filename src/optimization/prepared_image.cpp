@@ -4,17 +4,17 @@
 
 namespace cbmv {
 
-float greyDeviation(const cv::Mat& grey) {
-  CV_Assert(grey.type() == CV_8UC1 && !grey.empty());
+float grayDeviation(const cv::Mat& gray) {
+  CV_Assert(gray.type() == CV_8UC1 && !gray.empty());
   cv::Scalar mean;
   cv::Scalar deviation;
-  cv::meanStdDev(grey, mean, deviation);
+  cv::meanStdDev(gray, mean, deviation);
   return static_cast<float>(deviation[0]);
 }
 
 void PreparedImage::prepare(const cv::Mat& image, const AggregationOptions& options) {
   gray = image;
-  deviation = greyDeviation(image);
+  deviation = grayDeviation(image);
   if (options.iterations_before + options.iterations_after > 0) {
     computeSupportArms(image, options.arm_length_px, options.intensity_threshold * deviation, arms);
   }

@@ -11,14 +11,14 @@ namespace cbmv {
 
 /// Standard deviation of the intensities of an image in gray levels (population standard
 /// deviation). It is the unit of the thresholds AggregationOptions::intensity_threshold and
-/// SgmOptions::edge_threshold. `grey` is CV_8UC1 and not empty.
-float greyDeviation(const cv::Mat& grey);
+/// SgmOptions::edge_threshold. `gray` is CV_8UC1 and not empty.
+float grayDeviation(const cv::Mat& gray);
 
 /// One image of a pair with its data for CBCA and SGM.
 struct PreparedImage {
   cv::Mat gray;         ///< CV_8UC1
   cv::Mat arms;         ///< from computeSupportArms; empty without aggregation
-  float deviation = 0;  ///< from greyDeviation
+  float deviation = 0;  ///< from grayDeviation
   cv::Mat surface;      ///< surface map (surface_prior.h); empty: unknown
 
   /// Sets everything except the surface. Memory is reused.

@@ -39,8 +39,8 @@ class SemiGlobalMatcher::Impl {
     setup_.height = size.height;
     setup_.horizontal = makePenalties(options, 1.0);
     setup_.vertical = makePenalties(options, options.alpha1);
-    findEdges(images.reference, images.reference_threshold_grey, setup_.reference);
-    findEdges(images.other, images.other_threshold_grey, setup_.other);
+    findEdges(images.reference, images.reference_threshold_gray, setup_.reference);
+    findEdges(images.other, images.other_threshold_gray, setup_.other);
     takeSurface(surface, size);
     preparePaths();
     addPaths(costs, mean);

@@ -45,8 +45,8 @@ HWY_INLINE PathVector pathCosts(const Cost* costs, const PathCost* previous,
                                 PathVector lowest_previous, const PathCost* p1,
                                 const PathCost* p2) {
   const PathTag tag;
-  const auto neighbours = hn::Min(hn::LoadU(tag, previous - 1), hn::LoadU(tag, previous + 1));
-  const auto step = hn::Add(neighbours, hn::LoadU(tag, p1));
+  const auto neighbors = hn::Min(hn::LoadU(tag, previous - 1), hn::LoadU(tag, previous + 1));
+  const auto step = hn::Add(neighbors, hn::LoadU(tag, p1));
   const auto jump = hn::Add(lowest_previous, hn::LoadU(tag, p2));
   const auto best = hn::Min(hn::Min(hn::LoadU(tag, previous), step), jump);
   const auto matching = hn::BitCast(tag, loadWidened(SumTag(), costs));

@@ -108,16 +108,16 @@ void endArmsInsideOfRow(int width, int reach, cv::Vec4b* arms) {
 
 }  // namespace
 
-void computeSupportArms(const cv::Mat& grey, int max_length, float threshold_grey, cv::Mat& arms) {
-  CV_Assert(grey.type() == CV_8UC1);
+void computeSupportArms(const cv::Mat& gray, int max_length, float threshold_gray, cv::Mat& arms) {
+  CV_Assert(gray.type() == CV_8UC1);
   if (max_length < 1 || max_length > kMostReach + 1) {
     throw Error("The arm length of cost aggregation is " + std::to_string(max_length) +
                 " px; it must be between 1 and 255.");
   }
-  const cv::Mat image = grey;  // keeps the image valid if `arms` is the same object
+  const cv::Mat image = gray;  // keeps the image valid if `arms` is the same object
   arms.create(image.size(), CV_8UC4);
   // An integer is below the threshold exactly if it is below the threshold rounded up.
-  const int threshold = static_cast<int>(std::ceil(std::min(threshold_grey, 256.0F)));
+  const int threshold = static_cast<int>(std::ceil(std::min(threshold_gray, 256.0F)));
   const ArmLimits limits{threshold > 0 ? max_length - 1 : 0,
                          static_cast<std::uint8_t>(std::max(threshold - 1, 0))};
   tbb::parallel_for(0, image.rows, [&](int y) {

@@ -30,9 +30,9 @@ float residualWeight(float residual, float scale) {
 
 /// Moves `sums` toward the neighbor's sums.
 template <typename Sums>
-void blend(const Sums& neighbour, float share, Sums& sums) {
+void blend(const Sums& neighbor, float share, Sums& sums) {
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    sums[i] += share * (neighbour[i] - sums[i]);
+    sums[i] += share * (neighbor[i] - sums[i]);
   }
 }
 

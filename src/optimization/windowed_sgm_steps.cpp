@@ -14,7 +14,7 @@ namespace {
 constexpr int kReadableColumns = 16;
 
 /// A neighbor of each pixel: `columns` to the left and `rows` above.
-struct Neighbour {
+struct Neighbor {
   int columns;
   int rows;
 };
@@ -22,10 +22,10 @@ struct Neighbour {
 /// Sets out[x] = step(value of the neighbor, value) for every column in `columns` that has this
 /// neighbor, and 0 for the others.
 template <typename Value, typename Step>
-void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::Range& columns,
+void findRow(const cv::Mat& image, int y, const Neighbor& neighbor, const cv::Range& columns,
              std::int8_t* out, const Step& step) {
-  const int begin = std::max(columns.start, neighbour.columns);
-  const int end = y >= neighbour.rows ? std::max(begin, std::min(columns.end, image.cols)) : begin;
+  const int begin = std::max(columns.start, neighbor.columns);
+  const int end = y >= neighbor.rows ? std::max(begin, std::min(columns.end, image.cols)) : begin;
   if (begin >= end) {
     std::fill(out + columns.start, out + columns.end, std::int8_t{0});
     return;
@@ -33,31 +33,31 @@ void findRow(const cv::Mat& image, int y, const Neighbour& neighbour, const cv::
   std::fill(out + columns.start, out + begin, std::int8_t{0});
   std::fill(out + end, out + columns.end, std::int8_t{0});
   const auto* values = image.ptr<Value>(y);
-  const auto* neighbours = image.ptr<Value>(y - neighbour.rows) - neighbour.columns;
+  const auto* neighbors = image.ptr<Value>(y - neighbor.rows) - neighbor.columns;
   for (int x = begin; x < end; ++x) {
-    out[x] = step(neighbours[x], values[x]);
+    out[x] = step(neighbors[x], values[x]);
   }
 }
 
-/// Sets -1 where the gray levels differ by at least `threshold_grey`.
-void findEdges(const cv::Mat& grey, float threshold_grey, int y, const Neighbour& neighbour,
+/// Sets -1 where the gray levels differ by at least `threshold_gray`.
+void findEdges(const cv::Mat& gray, float threshold_gray, int y, const Neighbor& neighbor,
                const cv::Range& columns, std::int8_t* out) {
-  const int lowest_step = lowestStep(threshold_grey);
-  findRow<std::uint8_t>(grey, y, neighbour, columns, out, [=](int previous, int next) {
+  const int lowest_step = lowestStep(threshold_gray);
+  findRow<std::uint8_t>(gray, y, neighbor, columns, out, [=](int previous, int next) {
     return static_cast<std::int8_t>(std::abs(next - previous) >= lowest_step ? -1 : 0);
   });
 }
 
-void findRises(const cv::Mat& surface, int y, const Neighbour& neighbour, const cv::Range& columns,
+void findRises(const cv::Mat& surface, int y, const Neighbor& neighbor, const cv::Range& columns,
                std::int8_t* out) {
-  findRow<std::int16_t>(surface, y, neighbour, columns, out, surfaceRise);
+  findRow<std::int16_t>(surface, y, neighbor, columns, out, surfaceRise);
 }
 
 }  // namespace
 
 void StepMap::find(const EdgeImages& images, const cv::Mat& surface, View view,
                    const SearchSpace& space, Axis axis) {
-  const Neighbour neighbour = axis == Axis::kHorizontal ? Neighbour{1, 0} : Neighbour{0, 1};
+  const Neighbor neighbor = axis == Axis::kHorizontal ? Neighbor{1, 0} : Neighbor{0, 1};
   const DisparityRange& range = space.range();
   slope_ = view == View::kLeft ? -1 : 1;
   first_other_ = view == View::kLeft ? range.count - 1 : 0;
@@ -71,12 +71,12 @@ void StepMap::find(const EdgeImages& images, const cv::Mat& surface, View view,
     rises_.setTo(0);
   }
   tbb::parallel_for(0, space.height(), [&](int y) {
-    findEdges(images.reference, images.reference_threshold_grey, y, neighbour, columns,
+    findEdges(images.reference, images.reference_threshold_gray, y, neighbor, columns,
               reference_.ptr<std::int8_t>(y));
-    findEdges(images.other, images.other_threshold_grey, y, neighbour, matches,
+    findEdges(images.other, images.other_threshold_gray, y, neighbor, matches,
               other_.ptr<std::int8_t>(y) - first_match);
     if (!surface.empty()) {
-      findRises(surface, y, neighbour, columns, rises_.ptr<std::int8_t>(y));
+      findRises(surface, y, neighbor, columns, rises_.ptr<std::int8_t>(y));
     }
   });
 }

@@ -39,7 +39,7 @@ void requirePair(const cv::Mat& left, const cv::Mat& right) {
     throw Error(std::string("the ") + (left.empty() ? "left" : "right") + " image is empty");
   }
   if (left.type() != CV_8UC1 || right.type() != CV_8UC1) {
-    throw Error("the images must be grey with 8 bits a pixel");
+    throw Error("the images must be gray with 8 bits a pixel");
   }
   if (left.size() != right.size()) {
     const auto text = [](const cv::Size& size) {

@@ -294,10 +294,10 @@ std::vector<cv::Point2f> spreadCorners(const cv::Mat& image, int count) {
 
 }  // namespace
 
-void requireGreyPair(const cv::Mat& left, const cv::Mat& right) {
+void requireGrayPair(const cv::Mat& left, const cv::Mat& right) {
   if (left.type() != CV_8UC1 || right.type() != CV_8UC1 || left.size() != right.size()) {
     throw Error(
-        "Cannot refine the rectification of this pair: both images must be grey with 8 bits and of "
+        "Cannot refine the rectification of this pair: both images must be gray with 8 bits and of "
         "one size.");
   }
 }

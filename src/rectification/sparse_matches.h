@@ -9,7 +9,7 @@
 namespace cbmv {
 
 /// Throws Error unless both images have the same size and are CV_8UC1.
-void requireGreyPair(const cv::Mat& left, const cv::Mat& right);
+void requireGrayPair(const cv::Mat& left, const cv::Mat& right);
 
 /// Matches corners that are spread over the left image. Most matches are right, some are wrong.
 std::vector<SparseMatch> findSparseMatches(const cv::Mat& left, const cv::Mat& right,

@@ -15,7 +15,7 @@ RectificationTracker::~RectificationTracker() = default;
 
 VerticalOffset RectificationTracker::update(const cv::Mat& left, const cv::Mat& right,
                                             const DisparityRange& range, double now_s) {
-  requireGreyPair(left, right);
+  requireGrayPair(left, right);
   if (!options_.enabled) {
     return {};
   }

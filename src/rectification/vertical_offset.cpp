@@ -120,7 +120,7 @@ bool VerticalOffset::isZero() const {
 VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, const cv::Mat& right,
                                                 const DisparityRange& range,
                                                 const RectificationOptions& options) {
-  requireGreyPair(left, right);
+  requireGrayPair(left, right);
   if (!options.enabled || std::min(left.cols, left.rows) < kMinSide) {
     return {};
   }

@@ -112,10 +112,10 @@ sensor_msgs::Image toRawDepthImage(const StereoResult& result, const StereoGeome
                                    const std_msgs::Header& header) {
   const cv::Mat_<float> depth = depthOf(result, geometry);
   cv::Mat_<std::uint16_t> raw(depth.size());
-  std::transform(depth.begin(), depth.end(), raw.begin(), [](float metres) {
-    const double millimetres = std::round(metres * 1000.0);
-    const bool fits = millimetres <= std::numeric_limits<std::uint16_t>::max();  // false for NaN
-    return static_cast<std::uint16_t>(fits ? millimetres : 0);
+  std::transform(depth.begin(), depth.end(), raw.begin(), [](float meters) {
+    const double millimeters = std::round(meters * 1000.0);
+    const bool fits = millimeters <= std::numeric_limits<std::uint16_t>::max();  // false for NaN
+    return static_cast<std::uint16_t>(fits ? millimeters : 0);
   });
   return toMessage(raw, encodings::TYPE_16UC1, header);
 }
@@ -202,12 +202,12 @@ cbmv_stereo::Rectification toRectification(const RectificationState& state,
 RecordedPair toRecordedPair(const cv::Mat& left, const cv::Mat& right,
                             const StereoCalibration& calibration, const std_msgs::Header& header) {
   RecordedPair pair;
-  cv::Mat grey;
-  cv::cvtColor(left, grey, cv::COLOR_BGR2GRAY);
-  pair.left_grey = toMessage(grey, encodings::MONO8, header);
+  cv::Mat gray;
+  cv::cvtColor(left, gray, cv::COLOR_BGR2GRAY);
+  pair.left_gray = toMessage(gray, encodings::MONO8, header);
   pair.left_color = toMessage(left, encodings::BGR8, header);
-  cv::cvtColor(right, grey, cv::COLOR_BGR2GRAY);
-  pair.right_grey = toMessage(grey, encodings::MONO8, header);
+  cv::cvtColor(right, gray, cv::COLOR_BGR2GRAY);
+  pair.right_gray = toMessage(gray, encodings::MONO8, header);
   pair.left_info = toCameraInfo(calibration, calibration.cx_left, 0, header);
   pair.right_info = toCameraInfo(calibration, calibration.cx_right,
                                  -calibration.focal_length_px * calibration.baseline_m, header);

@@ -93,9 +93,9 @@ cbmv_stereo::Rectification toRectification(const RectificationState& state,
 
 /// A pair as published by a driver and image_proc.
 struct RecordedPair {
-  sensor_msgs::Image left_grey;   ///< mono8
+  sensor_msgs::Image left_gray;   ///< mono8
   sensor_msgs::Image left_color;  ///< bgr8
-  sensor_msgs::Image right_grey;  ///< mono8
+  sensor_msgs::Image right_gray;  ///< mono8
   sensor_msgs::CameraInfo left_info;
   sensor_msgs::CameraInfo right_info;
 };

@@ -95,15 +95,15 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
                const double step_px = f.processed.disparity_step_px;
                return toDisparityImage(f.result(), f.geometry(), step_px, f.header);
              }),
-      output("depth", "32FC1, Z in metres (REP 118); NaN where there is none",
+      output("depth", "32FC1, Z in meters (REP 118); NaN where there is none",
              [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
       output(
           "depth_sigma",
-          "32FC1, standard deviation of `depth` in metres, if the disparity is right within 1 px "
+          "32FC1, standard deviation of `depth` in meters, if the disparity is right within 1 px "
           "(`confidence` is the probability of that); NaN where there is no depth. Needs a forest "
           "file with a second forest",
           depthSigmaOf),
-      output("depth_raw", "16UC1, Z in millimetres; 0 where there is none or more than 65 535",
+      output("depth_raw", "16UC1, Z in millimeters; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
       output("camera_info", "Of `depth`, `depth_sigma` and `depth_raw`: the rectified left camera",
              [](const Frame& f) {
@@ -120,7 +120,7 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              "where there is none",
              [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
       // After the images, because it may wait for the color image.
-      output("points2", "Organised cloud in metres, coloured; NaN where there is no point",
+      output("points2", "Organized cloud in meters, colored; NaN where there is no point",
              [cloud_options](const Frame& f) { return cloudOf(f, cloud_options); }),
       output("status",
              "Time of each stage and age of the frame in milliseconds, frames processed and "

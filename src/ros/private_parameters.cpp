@@ -30,7 +30,7 @@ std::vector<PrivateParameter> topicParameters() {
       {"right_image_topic", std::string("right/image_rect"), 0, 0, "", "Topic of the right image"},
       {"right_info_topic", std::string("right/camera_info"), 0, 0, "", "Its camera_info"},
       {"left_color_topic", std::string("left/image_rect_color"), 0, 0, "",
-       "Topic of the image that colours the cloud"}};
+       "Topic of the image that colors the cloud"}};
 }
 
 std::vector<PrivateParameter> cloudParameters() {
@@ -113,7 +113,7 @@ std::vector<PrivateParameter> stereoPrivateParameters() {
       {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
   table.push_back({"points_sigma", false, 0, 0, "",
                    "Give the points of the cloud a field `sigma`: `depth_sigma` of the point, in "
-                   "metres; NaN without a second forest"});
+                   "meters; NaN without a second forest"});
   table.push_back(
       {"unknown_arguments", std::string(), 0, 0, "",
        "Set by the launch files: arguments that they were given and do not have, a colon, those "

@@ -31,7 +31,7 @@ std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px) {
   if (model.matches == 0 || limit_px == 0 || rms_px <= limit_px) {
     return {};
   }
-  return "the rows of the images are " + number(rms_px, 2) + " px apart (at the centre " +
+  return "the rows of the images are " + number(rms_px, 2) + " px apart (at the center " +
          number(model.offset_px, 2) + " +- " + number(model.offset_sigma_px, 2) +
          " px), more than warn_vertical_offset_px = " + number(limit_px, 2) +
          ": calibrate the cameras again; correcting it leaves " +
@@ -286,7 +286,7 @@ void StereoDiagnostics::describeRectification(Status& status, ros::SteadyTime) c
   }
   const VerticalOffsetMeasurement& measurement = newest_->rectification.measurement;
   const VerticalOffset& model = measurement.model;
-  status.add("offset at the centre (px)", number(model.offset_px, 3));
+  status.add("offset at the center (px)", number(model.offset_px, 3));
   status.add("its standard error (px)", number(model.offset_sigma_px, 3));
   status.add("slope along x (px per px)", number(model.slope_x, 6));
   status.add("slope along y (px per px)", number(model.slope_y, 6));

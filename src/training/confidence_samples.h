@@ -8,7 +8,7 @@
 
 namespace cbmv {
 
-/// Labelled disparities for a confidence forest: its features, which are bytes, and whether the
+/// Labeled disparities for a confidence forest: its features, which are bytes, and whether the
 /// disparity is correct.
 struct ConfidenceSamples : SampleLabels {
   std::vector<std::string> feature_names;           ///< in the order of the columns

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <utility>
 
-#include "pipeline/machine_memory.h"
 #include "forest/forest_evaluator.h"
+#include "pipeline/machine_memory.h"
 #include "pipeline/pyramid_matcher.h"
 #include "training/held_out_measures.h"
 #include "training/second_forest.h"

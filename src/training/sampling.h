@@ -14,7 +14,7 @@
 
 namespace cbmv {
 
-/// Labelled hypotheses: feature values (features.h) and whether the hypothesis is correct.
+/// Labeled hypotheses: feature values (features.h) and whether the hypothesis is correct.
 struct Samples : SampleLabels {
   std::array<std::vector<float>, kFeatureCount> features;  ///< one column a feature
 };

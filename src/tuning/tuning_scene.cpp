@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pipeline/machine_memory.h"
 #include "evaluation/disparity_source.h"
 #include "evaluation/scene_score.h"
+#include "pipeline/machine_memory.h"
 #include "pipeline/memory.h"
 
 #include "cbmv_stereo/error.h"

@@ -40,11 +40,11 @@ DisparityRange halveRange(const DisparityRange& range) {
   return {lowest, floorHalf(range.max()) - lowest + 1};
 }
 
-void halveImage(const cv::Mat& grey, cv::Mat& half) {
-  half.create(grey.rows / 2, grey.cols / 2, CV_8UC1);
+void halveImage(const cv::Mat& gray, cv::Mat& half) {
+  half.create(gray.rows / 2, gray.cols / 2, CV_8UC1);
   tbb::parallel_for(0, half.rows, [&](int y) {
-    const auto* upper = grey.ptr<std::uint8_t>(2 * y);
-    const auto* lower = grey.ptr<std::uint8_t>(2 * y + 1);
+    const auto* upper = gray.ptr<std::uint8_t>(2 * y);
+    const auto* lower = gray.ptr<std::uint8_t>(2 * y + 1);
     auto* out = half.ptr<std::uint8_t>(y);
     for (int x = 0; x < half.cols; ++x) {
       const Square square{upper + 2 * x, upper + 2 * x + 1, lower + 2 * x, lower + 2 * x + 1};

@@ -12,8 +12,8 @@ namespace cbmv {
 DisparityRange halveRange(const DisparityRange& range);
 
 /// Halves the image size: means of four pixels, rounded to the nearest integer. CV_8UC1. A last odd
-/// row or column is dropped. `grey` has at least 2 × 2 pixels. Parallel over rows by oneTBB.
-void halveImage(const cv::Mat& grey, cv::Mat& half);
+/// row or column is dropped. `gray` has at least 2 × 2 pixels. Parallel over rows by oneTBB.
+void halveImage(const cv::Mat& gray, cv::Mat& half);
 
 /// Halves the matching cost volume of the left view. A last odd row or column is dropped. For each
 /// d, the costs of the four pixels (2 X, 2 Y) to (2 X + 1, 2 Y + 1) are averaged and rounded to the

@@ -105,7 +105,7 @@ TEST(CameraYaml, PairsThatAreNoneAreRefused) {
   };
   EXPECT_TRUE(mentions(error("-60.", "60."), {"swapped"}));
   EXPECT_TRUE(mentions(error("-60.", "0."), {"one by one"}));
-  EXPECT_TRUE(mentions(error("240.25", "250."), {"centre row"}));
+  EXPECT_TRUE(mentions(error("240.25", "250."), {"center row"}));
   EXPECT_TRUE(mentions(error("500., 240.25", "600., 240.25"), {"one focal length"}));
   EXPECT_TRUE(mentions(error("image_height: 480", "image_height: 479"), {"image height"}));
 }

@@ -73,7 +73,7 @@ TEST(DisparityFile, NamesTheFileThatIsWrong) {
   EXPECT_TRUE(mentions(error(folder.write("text.png", "no image")), {"8 or 16 bits"}));
   EXPECT_TRUE(mentions(error(folder.write("cut.pfm", "Pf\n4 4\n-1\n1234")), {"bytes"}));
   writeImage(folder.file("color.png"), cv::Mat::zeros(2, 2, CV_8UC3));
-  EXPECT_TRUE(mentions(error(folder.file("color.png")), {"grey image"}));
+  EXPECT_TRUE(mentions(error(folder.file("color.png")), {"gray image"}));
 }
 
 }  // namespace

@@ -38,26 +38,26 @@ TEST(ImageFile, ColorComesBackAsWritten) {
   }
 }
 
-TEST(ImageFile, GreyComesBackAsWritten) {
+TEST(ImageFile, GrayComesBackAsWritten) {
   const TemporaryFolder folder;
   const cv::Mat image = randomImage(5, 7, CV_8UC1);
   writeImage(folder.file("a.png"), image);
-  const cv::Mat read = readGreyImage(folder.file("a.png"));
+  const cv::Mat read = readGrayImage(folder.file("a.png"));
   ASSERT_EQ(read.type(), CV_8UC1);
   EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0.0);
 }
 
-TEST(ImageFile, ColorBecomesGreyByLumaWeights) {
+TEST(ImageFile, ColorBecomesGrayByLumaWeights) {
   const TemporaryFolder folder;
   const cv::Mat image = randomImage(31, 17, CV_8UC3);
   writeImage(folder.file("a.png"), image);
-  const cv::Mat grey = readGreyImage(folder.file("a.png"));
-  ASSERT_EQ(grey.type(), CV_8UC1);
+  const cv::Mat gray = readGrayImage(folder.file("a.png"));
+  ASSERT_EQ(gray.type(), CV_8UC1);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
       const cv::Vec3b& bgr = image.at<cv::Vec3b>(y, x);
       const double expected = 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2];
-      ASSERT_NEAR(grey.at<uchar>(y, x), expected, 0.51);  // rounded, weights in fixed point
+      ASSERT_NEAR(gray.at<uchar>(y, x), expected, 0.51);  // rounded, weights in fixed point
     }
   }
 }
@@ -91,21 +91,21 @@ TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
   const TemporaryFolder folder;
   for (const std::string& content : {hugePng(), hugeJpeg()}) {
     const std::string file = folder.write("huge", content);
-    EXPECT_EQ(errorText([&] { readGreyImage(file); }),
+    EXPECT_EQ(errorText([&] { readGrayImage(file); }),
               "Cannot read " + file +
                   ": it claims to hold 4294836225 pixels, images must have at " +
                   "most 134217728.");
   }
   const std::string large = folder.write("large", "");
   std::filesystem::resize_file(large, (1U << 30) + 1);
-  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(large); }), {"at most 1073741824"}));
+  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(large); }), {"at most 1073741824"}));
 }
 
 /// OpenCV throws if its own limits are exceeded.
 TEST(ImageFile, RefusesHugeClaimsOfOtherFormats) {
   const TemporaryFolder folder;
   const std::string file = folder.write("huge.pgm", "P5\n65535 65535\n255\n");
-  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(file); }), {file, "not an image"}));
+  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(file); }), {file, "not an image"}));
 }
 
 /// Bytes after the end of the file must not be read.
@@ -177,13 +177,13 @@ TEST(ImageFile, IsNotTurned) {
   const std::string file = folder.write("turned.jpg", imageBytes(".jpg").insert(2, segment));
   EXPECT_EQ(readImage(file).size(), cv::Size(7, 5));
   EXPECT_EQ(readColorImage(file).size(), cv::Size(7, 5));
-  EXPECT_EQ(readGreyImage(file).size(), cv::Size(7, 5));
+  EXPECT_EQ(readGrayImage(file).size(), cv::Size(7, 5));
 }
 
 TEST(ImageFile, NamesTheFileOfAnotherDepth) {
   const TemporaryFolder folder;
   writeImage(folder.file("float.tif"), cv::Mat(3, 4, CV_32FC1, cv::Scalar(0.5)));
-  for (const auto& read : {readImage, readGreyImage, readColorImage}) {
+  for (const auto& read : {readImage, readGrayImage, readColorImage}) {
     EXPECT_TRUE(mentions(errorText([&] { read(folder.file("float.tif")); }),
                          {folder.file("float.tif"), "CV_32FC1", "8 or 16 bits"}));
   }
@@ -238,10 +238,10 @@ TEST(ImageFile, NamesTheFileThatIsNoImage) {
   const std::string text = folder.write("text.png", "not an image");
   const std::string empty = folder.write("empty.png", "");
   const std::string truncated = folder.write("truncated.png", "\x89PNG\r\n\x1a\n");
-  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(missing); }), {missing, "no such file"}));
-  EXPECT_TRUE(mentions(errorText([&] { readGreyImage(folder.file("")); }), {"not a file"}));
+  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(missing); }), {missing, "no such file"}));
+  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(folder.file("")); }), {"not a file"}));
   for (const std::string& path : {text, empty, truncated}) {
-    EXPECT_TRUE(mentions(errorText([&] { readGreyImage(path); }), {path, "not an image"}));
+    EXPECT_TRUE(mentions(errorText([&] { readGrayImage(path); }), {path, "not an image"}));
     EXPECT_TRUE(mentions(errorText([&] { readColorImage(path); }), {path}));
   }
 }

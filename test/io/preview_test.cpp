@@ -17,7 +17,7 @@ cv::Vec3b color(int level, int map) {
   return picture.at<cv::Vec3b>(0, 0);
 }
 
-TEST(Preview, DisparityRunsThroughTheColourMap) {
+TEST(Preview, DisparityRunsThroughTheColorMap) {
   const float lowest = -3.0F;
   const float highest = 17.0F;
   cv::Mat disparity(7, 31, CV_32FC1);
@@ -48,7 +48,7 @@ TEST(Preview, PixelsWithoutADisparityAreBlack) {
   EXPECT_EQ(picture.at<cv::Vec3b>(0, 4), color(255, cv::COLORMAP_TURBO));
 }
 
-TEST(Preview, AnEmptyRangeShowsTheLowestColour) {
+TEST(Preview, AnEmptyRangeShowsTheLowestColor) {
   const cv::Mat disparity = (cv::Mat_<float>(1, 3) << 1, 2, 3);
   const cv::Mat picture = colorizeDisparity(disparity, 2.0F, 2.0F, -1.0F);
   for (int x = 0; x < 3; ++x) {

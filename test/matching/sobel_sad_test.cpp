@@ -8,10 +8,10 @@ namespace cbmv::test {
 namespace {
 
 /// Response in an image whose border is repeated by kMatchingBorderPx only.
-double response(const cv::Mat& grey, int y, int x) {
+double response(const cv::Mat& gray, int y, int x) {
   const auto column = [&](int column_x) {
-    const int inside = std::clamp(column_x, -kMatchingBorderPx, grey.cols - 1 + kMatchingBorderPx);
-    return at(grey, y - 1, inside) + 2 * at(grey, y, inside) + at(grey, y + 1, inside);
+    const int inside = std::clamp(column_x, -kMatchingBorderPx, gray.cols - 1 + kMatchingBorderPx);
+    return at(gray, y - 1, inside) + 2 * at(gray, y, inside) + at(gray, y + 1, inside);
   };
   return column(x + 1) - column(x - 1);
 }

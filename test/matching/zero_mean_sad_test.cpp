@@ -8,11 +8,11 @@ namespace cbmv::test {
 namespace {
 
 /// Mean rounded to a quarter, halves up, as documented in the header.
-double windowMean(const cv::Mat& grey, int y, int x) {
+double windowMean(const cv::Mat& gray, int y, int x) {
   double sum = 0;
   for (int dy = -2; dy <= 2; ++dy) {
     for (int dx = -2; dx <= 2; ++dx) {
-      sum += at(grey, y + dy, x + dx);
+      sum += at(gray, y + dy, x + dx);
     }
   }
   return std::floor(4 * sum / 25 + 0.5) / 4;

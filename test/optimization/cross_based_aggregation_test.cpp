@@ -44,8 +44,8 @@ struct Naive {
 
 SupportArms makeArms(const cv::Size& size, Content content, int max_length, float threshold) {
   SupportArms arms;
-  computeSupportArms(makeGrey(size, content, 5), max_length, threshold, arms.reference);
-  computeSupportArms(makeGrey(size, content, 6), max_length, threshold, arms.other);
+  computeSupportArms(makeGray(size, content, 5), max_length, threshold, arms.reference);
+  computeSupportArms(makeGray(size, content, 6), max_length, threshold, arms.other);
   arms.longest_px = max_length - 1;
   return arms;
 }

@@ -78,9 +78,9 @@ class NaivePaths {
   std::int64_t penalty(cv::Point from, cv::Point to, int i, bool small) const {
     const int d = shape_.range.min + i;
     const bool reference_edge =
-        isEdge(images_.reference, images_.reference_threshold_grey, from, to);
+        isEdge(images_.reference, images_.reference_threshold_gray, from, to);
     const bool other_edge =
-        isEdge(images_.other, images_.other_threshold_grey,
+        isEdge(images_.other, images_.other_threshold_gray,
                {matchingColumn(view_, from.x, d), from.y}, {matchingColumn(view_, to.x, d), to.y});
     double divisor = 1;
     if (reference_edge || other_edge) {
@@ -113,7 +113,7 @@ class NaivePaths {
 void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmOptions& options,
                       int max_cost, float reference_threshold, float other_threshold,
                       const cv::Mat& surface = {}) {
-  const EdgeImages images{makeGrey(shape.size(), content, 9), makeGrey(shape.size(), content, 10),
+  const EdgeImages images{makeGray(shape.size(), content, 9), makeGray(shape.size(), content, 10),
                           reference_threshold, other_threshold};
   const OptimizedVolume costs = makeCosts(shape, content, max_cost, 11);
   std::vector<NaivePaths> paths;
@@ -203,9 +203,9 @@ TEST(SemiGlobalMatching, FollowsASlantedSurfaceForNothing) {
       }
     }
   }
-  const cv::Mat grey = cv::Mat::zeros(shape.size(), CV_8UC1);
+  const cv::Mat gray = cv::Mat::zeros(shape.size(), CV_8UC1);
   OptimizedVolume mean;
-  SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, surface, View::kLeft, shape.range, {}, mean);
+  SemiGlobalMatcher().match(costs, {gray, gray, 1, 1}, surface, View::kLeft, shape.range, {}, mean);
   for (int x = 0; x < shape.width; ++x) {
     const auto* pixel = mean.pixel(2, x);
     EXPECT_EQ(std::min_element(pixel, pixel + shape.range.count) - pixel, 3 + x / 2) << "x " << x;
@@ -216,8 +216,8 @@ INSTANTIATE_TEST_SUITE_P(Shapes, SemiGlobalMatching, allCases());
 
 TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
   const Shape shape{50, 120, {0, 24}};
-  const EdgeImages images{makeGrey(shape.size(), Content::kPatches, 1),
-                          makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
+  const EdgeImages images{makeGray(shape.size(), Content::kPatches, 1),
+                          makeGray(shape.size(), Content::kPatches, 2), 20, 20};
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   OptimizedVolume parallel;
   SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, {}, parallel);
@@ -229,8 +229,8 @@ TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
 
 TEST(SemiGlobalMatching, ForgetsTheSurfaceOfTheFrameBefore) {
   const Shape shape{20, 90, {0, 9}};
-  const EdgeImages images{makeGrey(shape.size(), Content::kPatches, 1),
-                          makeGrey(shape.size(), Content::kPatches, 2), 20, 20};
+  const EdgeImages images{makeGray(shape.size(), Content::kPatches, 1),
+                          makeGray(shape.size(), Content::kPatches, 2), 20, 20};
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   const auto mean_of = [&](SemiGlobalMatcher& matcher, const cv::Mat& surface) {
     OptimizedVolume mean;
@@ -247,10 +247,10 @@ TEST(SemiGlobalMatching, ForgetsTheSurfaceOfTheFrameBefore) {
 
 void expectRejected(const SgmOptions& options) {
   const Shape shape{3, 4, {0, 2}};
-  const cv::Mat grey = cv::Mat::zeros(shape.size(), CV_8UC1);
+  const cv::Mat gray = cv::Mat::zeros(shape.size(), CV_8UC1);
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 1);
   OptimizedVolume mean;
-  EXPECT_THROW(SemiGlobalMatcher().match(costs, {grey, grey, 1, 1}, {}, View::kLeft, shape.range,
+  EXPECT_THROW(SemiGlobalMatcher().match(costs, {gray, gray, 1, 1}, {}, View::kLeft, shape.range,
                                          options, mean),
                Error);
 }
@@ -284,8 +284,8 @@ TEST(SgmCostBound, AddsP2PerRun) {
 // The bound is about the results: no iteration adds more than P2.
 TEST(SgmCostBound, HoldsOverTwoRuns) {
   const Shape shape{20, 30, {0, 9}};
-  const EdgeImages images{makeGrey(shape.size(), Content::kNoise, 1),
-                          makeGrey(shape.size(), Content::kNoise, 2), 256, 256};
+  const EdgeImages images{makeGray(shape.size(), Content::kNoise, 1),
+                          makeGray(shape.size(), Content::kNoise, 2), 256, 256};
   SgmOptions options;
   options.p1 = options.p2 = 0.5F;
   const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);

@@ -150,8 +150,8 @@ class NaiveWindowedPaths {
     const EdgeImages& images = input_.images;
     const SgmOptions& options = input_.options;
     const int d = space_.range().min + index;
-    const bool reference_edge = isEdge(images.reference, images.reference_threshold_grey, from, to);
-    const bool other_edge = isEdge(images.other, images.other_threshold_grey,
+    const bool reference_edge = isEdge(images.reference, images.reference_threshold_gray, from, to);
+    const bool other_edge = isEdge(images.other, images.other_threshold_gray,
                                    {matchingColumn(input_.view, from.x, d), from.y},
                                    {matchingColumn(input_.view, to.x, d), to.y});
     double divisor = 1;
@@ -238,7 +238,7 @@ void expectNaiveMeans(const SearchSpace& space, const Input& input, int max_cost
 
 Input makeInput(const Shape& shape, View view, Content content, float reference_threshold,
                 float other_threshold) {
-  return {{makeGrey(shape.size(), content, 9), makeGrey(shape.size(), content, 10),
+  return {{makeGray(shape.size(), content, 9), makeGray(shape.size(), content, 10),
            reference_threshold, other_threshold},
           {},
           view,

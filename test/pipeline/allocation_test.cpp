@@ -91,9 +91,9 @@ const cv::Size kSize(1100, 21);
 
 /// Pairs with different content.
 std::array<Pair, 3> makePairs(const cv::Size& size) {
-  return {{{makeGrey(size, Content::kPatches, 1), makeGrey(size, Content::kPatches, 2)},
-           {makeGrey(size, Content::kNoise, 3), makeGrey(size, Content::kPatches, 4)},
-           {makeGrey(size, Content::kPatches, 5), makeGrey(size, Content::kNoise, 6)}}};
+  return {{{makeGray(size, Content::kPatches, 1), makeGray(size, Content::kPatches, 2)},
+           {makeGray(size, Content::kNoise, 3), makeGray(size, Content::kPatches, 4)},
+           {makeGray(size, Content::kPatches, 5), makeGray(size, Content::kNoise, 6)}}};
 }
 
 VerticalOffset someOffset() {

@@ -39,8 +39,8 @@ TEST(DisparityEstimator, GivesWhatTheMatcherGivesWhateverCameBefore) {
   const auto forest = std::make_shared<Forest>(makeForest(8, 5, 3));
   DisparityEstimator estimator;
   for (const Shape& shape : awkwardShapes()) {
-    const cv::Mat left = makeGrey(shape.size(), Content::kPatches, 1);
-    const cv::Mat right = makeGrey(shape.size(), Content::kPatches, 2);
+    const cv::Mat left = makeGray(shape.size(), Content::kPatches, 1);
+    const cv::Mat right = makeGray(shape.size(), Content::kPatches, 2);
     for (const bool check : {true, false}) {
       StereoOptions options = alignedOptions(shape.range);
       options.refinement.left_right_check = check;
@@ -62,8 +62,8 @@ TEST(DisparityEstimator, GivesWhatTheMatcherGivesWhateverCameBefore) {
 TEST(DisparityEstimator, LeavesTheRightViewsVolume) {
   const Forest forest = makeForest(8, 5, 3);
   const DisparityRange range{-2, 9};
-  const cv::Mat left = makeGrey({31, 12}, Content::kPatches, 1);
-  const cv::Mat right = makeGrey({31, 12}, Content::kPatches, 2);
+  const cv::Mat left = makeGray({31, 12}, Content::kPatches, 1);
+  const cv::Mat right = makeGray({31, 12}, Content::kPatches, 2);
   const MatchingVolume original = buildVolume(left, right, range, forest);
   const auto volume_after = [&](bool check, bool optimize_right_view) {
     StereoOptions options = alignedOptions(range);

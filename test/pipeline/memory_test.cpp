@@ -95,8 +95,8 @@ class RequiredMemory : public testing::TestWithParam<Example> {};
 /// An estimate that is too low breaks the limit; one that is too high rejects possible images.
 TEST_P(RequiredMemory, IsTheMeasuredPeak) {
   const Example& example = GetParam();
-  const Memory memory = measureMemory(example, {makeGrey(example.size, Content::kPatches, 1),
-                                                makeGrey(example.size, Content::kPatches, 2)});
+  const Memory memory = measureMemory(example, {makeGray(example.size, Content::kPatches, 1),
+                                                makeGray(example.size, Content::kPatches, 2)});
   if (memory.measured == 0) {
     GTEST_SKIP() << "this system does not let a process reset its peak memory";
   }
@@ -224,12 +224,12 @@ TEST(MemoryError, NamesBothNumbersAndWhatHelps) {
 TEST(MemoryError, IsWhatTheMatcherThrows) {
   StereoOptions options;
   options.max_memory_mb = 1;
-  const cv::Mat grey = makeGrey({200, 100}, Content::kPatches, 1);
+  const cv::Mat gray = makeGray({200, 100}, Content::kPatches, 1);
   StereoMatcher matcher(std::make_shared<Forest>(makeForest(8, 5, 3)), options);
-  EXPECT_EQ(errorText([&] { matcher.match(grey, grey); }), memoryError(grey.size(), options));
+  EXPECT_EQ(errorText([&] { matcher.match(gray, gray); }), memoryError(gray.size(), options));
   options.max_memory_mb = 100;
   matcher.setOptions(options);
-  EXPECT_EQ(matcher.match(grey, grey).disparity.size(), grey.size());
+  EXPECT_EQ(matcher.match(gray, gray).disparity.size(), gray.size());
 }
 
 }  // namespace

@@ -50,8 +50,8 @@ std::ostream& operator<<(std::ostream& out, const Pair& pair) {
   return out << pair.name << ", " << pair.left.cols << "x" << pair.left.rows;
 }
 
-cv::Mat constant(const cv::Size& size, int grey) {
-  return cv::Mat(size, CV_8UC1, cv::Scalar(grey));
+cv::Mat constant(const cv::Size& size, int gray) {
+  return cv::Mat(size, CV_8UC1, cv::Scalar(gray));
 }
 
 cv::Mat stripes(const cv::Size& size, int period) {
@@ -63,8 +63,8 @@ cv::Mat stripes(const cv::Size& size, int period) {
 }
 
 std::vector<Pair> pairsOf(const cv::Size& size) {
-  const cv::Mat noise = makeGrey(size, Content::kNoise, 1);
-  const cv::Mat other_noise = makeGrey(size, Content::kNoise, 2);
+  const cv::Mat noise = makeGray(size, Content::kNoise, 1);
+  const cv::Mat other_noise = makeGray(size, Content::kNoise, 2);
   return {{"black", constant(size, 0), constant(size, 0)},
           {"saturated", constant(size, 255), constant(size, 255)},
           {"constant", constant(size, 100), constant(size, 101)},
@@ -73,7 +73,7 @@ std::vector<Pair> pairsOf(const cv::Size& size) {
           {"identical noise", noise, noise},
           {"black and noise", constant(size, 0), noise},
           {"stripes", stripes(size, 8), stripes(size, 8)},
-          {"patches", makeGrey(size, Content::kPatches, 3), makeGrey(size, Content::kPatches, 4)}};
+          {"patches", makeGray(size, Content::kPatches, 3), makeGray(size, Content::kPatches, 4)}};
 }
 
 StereoOptions optionsFor(const DisparityRange& range, int threads) {
@@ -188,7 +188,7 @@ TEST(Robustness, ExtremeParametersGiveTheDocumentedContent) {
       StereoMatcher matcher(obliviousForest(), options);
       for (const Content content : {Content::kNoise, Content::kPatches}) {
         expectDocumentedContent(
-            matcher.match(makeGrey(size, content, 5), makeGrey(size, content, 6)), size, range);
+            matcher.match(makeGray(size, content, 5), makeGray(size, content, 6)), size, range);
       }
     }
   }

@@ -111,8 +111,8 @@ TEST(StereoMatcher, TakesNegativeDisparities) {
 TEST(StereoMatcher, GivesWholeResultsForAwkwardShapes) {
   for (const Shape& shape : awkwardShapes()) {
     StereoMatcher matcher(randomForest(), optionsFor(shape.range));
-    const StereoResult result = matcher.match(makeGrey(shape.size(), Content::kPatches, 1),
-                                              makeGrey(shape.size(), Content::kPatches, 2));
+    const StereoResult result = matcher.match(makeGray(shape.size(), Content::kPatches, 1),
+                                              makeGray(shape.size(), Content::kPatches, 2));
     ASSERT_EQ(result.disparity.size(), shape.size());
     ASSERT_EQ(result.labels.size(), shape.size());
     ASSERT_EQ(result.confidence.size(), shape.size());
@@ -289,7 +289,7 @@ TEST(StereoMatcher, TwoWorkSideBySide) {
 
 TEST(StereoMatcher, RefusesBadImages) {
   StereoMatcher matcher(randomForest(), optionsFor({0, 8}));
-  const cv::Mat grey(20, 30, CV_8UC1, cv::Scalar(1));
+  const cv::Mat gray(20, 30, CV_8UC1, cv::Scalar(1));
   const auto refusal = [&](const cv::Mat& left, const cv::Mat& right) -> std::string {
     try {
       matcher.match(left, right);
@@ -298,12 +298,12 @@ TEST(StereoMatcher, RefusesBadImages) {
       return error.what();
     }
   };
-  EXPECT_THAT(refusal(grey, cv::Mat()), HasSubstr("right image is empty"));
-  EXPECT_THAT(refusal(cv::Mat(), grey), HasSubstr("left image is empty"));
-  EXPECT_THAT(refusal(grey, cv::Mat(20, 31, CV_8UC1)),
+  EXPECT_THAT(refusal(gray, cv::Mat()), HasSubstr("right image is empty"));
+  EXPECT_THAT(refusal(cv::Mat(), gray), HasSubstr("left image is empty"));
+  EXPECT_THAT(refusal(gray, cv::Mat(20, 31, CV_8UC1)),
               AllOf(HasSubstr("30x20"), HasSubstr("31x20")));
-  EXPECT_THAT(refusal(grey, cv::Mat(20, 30, CV_8UC3)), HasSubstr("grey"));
-  EXPECT_EQ(refusal(grey, grey), "");
+  EXPECT_THAT(refusal(gray, cv::Mat(20, 30, CV_8UC3)), HasSubstr("gray"));
+  EXPECT_EQ(refusal(gray, gray), "");
 }
 
 TEST(StereoMatcher, RefusesInconsistentOptionsAndKeepsTheOld) {

@@ -100,14 +100,14 @@ TEST(RectificationTracker, MeasurementsAreNotSmoothed) {
 
 TEST(RectificationTracker, PairsWithoutMatchesLeaveTheModel) {
   const RenderedScene scene = sceneWithOffset(0.8);
-  const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));
+  const cv::Mat gray(scene.left.size(), CV_8UC1, cv::Scalar(90));
   RectificationOptions options;
   options.interval_s = 0.0;
   RectificationTracker tracker(options);
   const VerticalOffset before = updateUntil(tracker, scene, 0.0, hasEstimate);
   VerticalOffset after;
   for (int i = 0; i < 50; ++i) {
-    after = tracker.update(grey, grey, kRange, i);
+    after = tracker.update(gray, gray, kRange, i);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   EXPECT_NEAR(after.offset_px, before.offset_px, 0.02);
@@ -141,7 +141,7 @@ TEST(RectificationTracker, ResetsOnRequestOnOtherSizesAndWhenTheClockJumpsBack) 
 
 TEST(RectificationTracker, AnEstimateFromBeforeAResetIsDropped) {
   const RenderedScene scene = sceneWithOffset(0.8);
-  const cv::Mat grey(scene.left.size(), CV_8UC1, cv::Scalar(90));
+  const cv::Mat gray(scene.left.size(), CV_8UC1, cv::Scalar(90));
   for (const bool reset : {false, true}) {
     RectificationTracker tracker({});
     tracker.update(scene.left, scene.right, kRange, 0.0);
@@ -149,7 +149,7 @@ TEST(RectificationTracker, AnEstimateFromBeforeAResetIsDropped) {
       tracker.reset();
     }
     tracker.waitForEstimate();
-    EXPECT_EQ(tracker.update(grey, grey, kRange, 0.0).matches == 0, reset);
+    EXPECT_EQ(tracker.update(gray, gray, kRange, 0.0).matches == 0, reset);
   }
 }
 
@@ -164,10 +164,10 @@ TEST(RectificationTracker, DisabledItNeverCorrects) {
 }
 
 TEST(RectificationTracker, RefusesOtherImages) {
-  const cv::Mat grey = cv::Mat::zeros(40, 40, CV_8UC1);
+  const cv::Mat gray = cv::Mat::zeros(40, 40, CV_8UC1);
   RectificationTracker tracker({});
-  EXPECT_THROW(tracker.update(grey, grey.rowRange(0, 30), kRange, 0.0), Error);
-  EXPECT_THROW(tracker.update(grey, cv::Mat::zeros(40, 40, CV_8UC3), kRange, 0.0), Error);
+  EXPECT_THROW(tracker.update(gray, gray.rowRange(0, 30), kRange, 0.0), Error);
+  EXPECT_THROW(tracker.update(gray, cv::Mat::zeros(40, 40, CV_8UC3), kRange, 0.0), Error);
 }
 
 TEST(RectificationTracker, ServesSeveralThreads) {

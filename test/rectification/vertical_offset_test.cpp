@@ -212,8 +212,8 @@ TEST(EstimateVerticalOffset, ImagesWithoutMatchesGiveNoEstimate) {
     cv::GaussianBlur(image, image, cv::Size(), 3.0);
   }
   expectNoEstimate(estimateVerticalOffset(smooth[0], smooth[1], kRange, {}));
-  const cv::Mat grey(size, CV_8UC1, cv::Scalar(90));
-  expectNoEstimate(estimateVerticalOffset(grey, grey, kRange, {}));
+  const cv::Mat gray(size, CV_8UC1, cv::Scalar(90));
+  expectNoEstimate(estimateVerticalOffset(gray, gray, kRange, {}));
   const RenderedScene scene = renderScene(351, 263, 1);
   expectNoEstimate(estimateVerticalOffset(scene.left, scene.right, {400, 16}, {}));
 }
@@ -267,10 +267,10 @@ TEST(EstimateVerticalOffset, IsDeterministic) {
 }
 
 TEST(EstimateVerticalOffset, RefusesOtherImages) {
-  const cv::Mat grey = noise({64, 48}, 1);
-  EXPECT_THROW(estimateVerticalOffset(grey, grey.rowRange(0, 40), kRange, {}), Error);
-  EXPECT_THROW(estimateVerticalOffset(grey, cv::Mat::zeros(48, 64, CV_8UC3), kRange, {}), Error);
-  EXPECT_THROW(estimateVerticalOffset(cv::Mat::zeros(48, 64, CV_16UC1), grey, kRange, {}), Error);
+  const cv::Mat gray = noise({64, 48}, 1);
+  EXPECT_THROW(estimateVerticalOffset(gray, gray.rowRange(0, 40), kRange, {}), Error);
+  EXPECT_THROW(estimateVerticalOffset(gray, cv::Mat::zeros(48, 64, CV_8UC3), kRange, {}), Error);
+  EXPECT_THROW(estimateVerticalOffset(cv::Mat::zeros(48, 64, CV_16UC1), gray, kRange, {}), Error);
 }
 
 /// Weight of a sample at distance t for cubic convolution with OpenCV's parameter −0.75.
@@ -320,14 +320,14 @@ TEST(AlignRightRows, TheZeroModelCopiesNothing) {
   EXPECT_EQ(alignRightRows(image, {}).data, image.data);
 }
 
-TEST(AlignRightRows, ColourIsAlignedLikeGrey) {
+TEST(AlignRightRows, ColorIsAlignedLikeGray) {
   VerticalOffset model;
   model.offset_px = 0.3;
-  const cv::Mat grey = noise({20, 10}, 1);
+  const cv::Mat gray = noise({20, 10}, 1);
   cv::Mat color;
-  cv::cvtColor(grey, color, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
   cv::Mat expected;
-  cv::cvtColor(alignRightRows(grey, model), expected, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(alignRightRows(gray, model), expected, cv::COLOR_GRAY2BGR);
   EXPECT_EQ(cv::norm(alignRightRows(color, model), expected, cv::NORM_INF), 0.0);
 }
 

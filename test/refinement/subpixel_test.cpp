@@ -16,9 +16,9 @@ double naiveSubpixel(const OptimizedVolume& costs, View view, const DisparityRan
     return disparity;
   }
   const int d = static_cast<int>(disparity);
-  for (const int neighbour : {d - 1, d + 1}) {
-    const int match = matchingColumn(view, x, neighbour);
-    if (neighbour < range.min || neighbour > range.max() || match < 0 || match >= costs.width()) {
+  for (const int neighbor : {d - 1, d + 1}) {
+    const int match = matchingColumn(view, x, neighbor);
+    if (neighbor < range.min || neighbor > range.max() || match < 0 || match >= costs.width()) {
       return disparity;
     }
   }

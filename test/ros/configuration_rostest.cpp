@@ -380,7 +380,7 @@ TEST_F(CameraInfos, OfEveryImageAreWaitedFor) {
   }
 }
 
-TEST(Synchronisation, SaysWhyNothingComes) {
+TEST(Synchronization, SaysWhyNothingComes) {
   LogReader log;
   StereoNodelet nodelet("sync_report_test");
   ASSERT_TRUE(nodelet.load());
@@ -390,7 +390,7 @@ TEST(Synchronisation, SaysWhyNothingComes) {
                                   "approximate_sync_max_interval_s to 0.003"}));
 }
 
-TEST(Synchronisation, ApproximateSyncPairsCloseStampsOnly) {
+TEST(Synchronization, ApproximateSyncPairsCloseStampsOnly) {
   StereoNodelet nodelet("sync_test");
   nodelet.parameters().setParam("approximate_sync", true);
   nodelet.parameters().setParam("approximate_sync_max_interval_s", 0.01);
@@ -400,7 +400,7 @@ TEST(Synchronisation, ApproximateSyncPairsCloseStampsOnly) {
   EXPECT_TRUE(disparityComes("sync_test", delayRight(0.002)));
 }
 
-TEST(Synchronisation, ZeroIsNoBound) {
+TEST(Synchronization, ZeroIsNoBound) {
   StereoNodelet nodelet("unbounded_sync_test");
   nodelet.parameters().setParam("approximate_sync", true);
   nodelet.parameters().setParam("approximate_sync_max_interval_s", 0);

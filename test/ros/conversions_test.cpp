@@ -54,26 +54,26 @@ void expectBadInfo(const PairMessages& messages, InputFault fault,
   expectInputError([&] { geometryOf(messages); }, fault, words);
 }
 
-TEST(GreyPair, KeepsMono8) {
+TEST(GrayPair, KeepsMono8) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   const PairMessages messages = goodMessages();
-  const GrayPair grey = grayPairOf(messages);
-  EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0);
+  const GrayPair gray = grayPairOf(messages);
+  EXPECT_EQ(cv::norm(gray.left, pair.left, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(gray.right, pair.right, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ReadsRowsWithPadding) {
+TEST(GrayPair, ReadsRowsWithPadding) {
   PairMessages messages = goodMessages();
   const StereoPair pair = renderPair(kSize, 3, 6);
   cv::Mat padded;
   cv::copyMakeBorder(pair.left, padded, 0, 0, 0, 5, cv::BORDER_CONSTANT, 99);
   messages.left_image = makeImage(padded, "mono8", messages.left_image->header);
   messages.left_image->width = kSize.width;
-  const GrayPair grey = grayPairOf(messages);
-  EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
+  const GrayPair gray = grayPairOf(messages);
+  EXPECT_EQ(cv::norm(gray.left, pair.left, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ConvertsColour) {
+TEST(GrayPair, ConvertsColor) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   for (const auto& [encoding, code] :
        {std::pair("bgr8", cv::COLOR_GRAY2BGR), std::pair("rgba8", cv::COLOR_GRAY2RGBA)}) {
@@ -84,25 +84,25 @@ TEST(GreyPair, ConvertsColour) {
     cv::cvtColor(pair.right, right, code);
     messages.left_image = makeImage(left, encoding, messages.left_image->header);
     messages.right_image = makeImage(right, encoding, messages.right_image->header);
-    const GrayPair grey = grayPairOf(messages);
-    EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0) << encoding;
-    EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0) << encoding;
+    const GrayPair gray = grayPairOf(messages);
+    EXPECT_EQ(cv::norm(gray.left, pair.left, cv::NORM_INF), 0) << encoding;
+    EXPECT_EQ(cv::norm(gray.right, pair.right, cv::NORM_INF), 0) << encoding;
   }
 }
 
-TEST(GreyPair, TakesImagesOfDifferentEncodings) {
+TEST(GrayPair, TakesImagesOfDifferentEncodings) {
   const StereoPair pair = renderPair(kSize, 3, 6);
   PairMessages messages = goodMessages();
   messages.left_image->encoding = "8UC1";
   cv::Mat right;
   cv::cvtColor(pair.right, right, cv::COLOR_GRAY2RGB);
   messages.right_image = makeImage(right, "rgb8", messages.right_image->header);
-  const GrayPair grey = grayPairOf(messages);
-  EXPECT_EQ(cv::norm(grey.left, pair.left, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(grey.right, pair.right, cv::NORM_INF), 0);
+  const GrayPair gray = grayPairOf(messages);
+  EXPECT_EQ(cv::norm(gray.left, pair.left, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(gray.right, pair.right, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, ConvertsYuvUnderAllItsNames) {
+TEST(GrayPair, ConvertsYuvUnderAllItsNames) {
   const cv::Size even(36, 23);
   cv::Mat packed(even, CV_8UC2);
   cv::randu(packed, 0, 256);
@@ -124,7 +124,7 @@ TEST(GreyPair, ConvertsYuvUnderAllItsNames) {
 }
 
 /// The encoding that cv_bridge sets in Python if none is given.
-TEST(GreyPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
+TEST(GrayPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
   PairMessages messages = goodMessages();
   EXPECT_TRUE(toStereoInput(messages.asConst(), kTopics, false).warnings.empty());
   const cv::Mat color(kSize, CV_8UC3, cv::Scalar(10, 100, 200));
@@ -141,7 +141,7 @@ TEST(GreyPair, TakesPlainChannelsAsBlueGreenRedWithAWarning) {
 }
 
 /// A scene with one gray level, seen through a Bayer mosaic with brighter green pixels.
-TEST(GreyPair, ConvertsBayer) {
+TEST(GrayPair, ConvertsBayer) {
   for (const char* encoding :
        {"bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8", "bayer_rggb16"}) {
     SCOPED_TRACE(encoding);
@@ -160,21 +160,21 @@ TEST(GreyPair, ConvertsBayer) {
     PairMessages messages = goodMessages();
     messages.left_image = makeImage(mosaic, encoding, messages.left_image->header);
     messages.right_image = makeImage(mosaic, encoding, messages.right_image->header);
-    const GrayPair grey = grayPairOf(messages);
+    const GrayPair gray = grayPairOf(messages);
     const cv::Rect dark(2, 2, kSize.width / 2 - 5, kSize.height - 4);
     const cv::Rect bright(kSize.width / 2 + 4, 2, kSize.width / 2 - 6, kSize.height - 4);
     for (const cv::Rect& half : {dark, bright}) {  // the mosaic has been removed
       double lowest = 0;
       double highest = 0;
-      cv::minMaxLoc(grey.left(half), &lowest, &highest);
+      cv::minMaxLoc(gray.left(half), &lowest, &highest);
       EXPECT_LE(highest - lowest, 1);
     }
-    EXPECT_GT(cv::mean(grey.left(bright))[0], cv::mean(grey.left(dark))[0] + 100);
+    EXPECT_GT(cv::mean(gray.left(bright))[0], cv::mean(gray.left(dark))[0] + 100);
   }
 }
 
 /// 12 bits in 16. A division by 256 would leave only 16 levels.
-TEST(GreyPair, SixteenBitsKeepTheirContrast) {
+TEST(GrayPair, SixteenBitsKeepTheirContrast) {
   cv::RNG random(5);
   cv::Mat left(kSize, CV_16UC1);
   cv::Mat right(kSize, CV_16UC1);
@@ -185,7 +185,7 @@ TEST(GreyPair, SixteenBitsKeepTheirContrast) {
     PairMessages messages = goodMessages();
     messages.left_image = makeImage(left, encoding, messages.left_image->header);
     messages.right_image = makeImage(right, encoding, messages.right_image->header);
-    const GrayPair grey = grayPairOf(messages);
+    const GrayPair gray = grayPairOf(messages);
 
     std::vector<std::uint16_t> all(left.begin<std::uint16_t>(), left.end<std::uint16_t>());
     all.insert(all.end(), right.begin<std::uint16_t>(), right.end<std::uint16_t>());
@@ -201,12 +201,12 @@ TEST(GreyPair, SixteenBitsKeepTheirContrast) {
         }
       }
     };
-    expect_stretched(left, grey.left);
-    expect_stretched(right, grey.right);
+    expect_stretched(left, gray.left);
+    expect_stretched(right, gray.right);
   }
 }
 
-TEST(GreyPair, OutliersDoNotTakeTheLevelsOfSixteenBits) {
+TEST(GrayPair, OutliersDoNotTakeTheLevelsOfSixteenBits) {
   PairMessages messages = goodMessages();
   cv::Mat deep;
   renderPair(kSize, 3, 6).left.convertTo(deep, CV_16U, 2, 7000);
@@ -219,13 +219,13 @@ TEST(GreyPair, OutliersDoNotTakeTheLevelsOfSixteenBits) {
   EXPECT_GT(deviation[0], 30);
 }
 
-TEST(GreyPair, EvenSixteenBitImagesAreEven) {
+TEST(GrayPair, EvenSixteenBitImagesAreEven) {
   PairMessages messages = goodMessages();
   const cv::Mat even(kSize, CV_16UC1, cv::Scalar(1234));
   messages.left_image = makeImage(even, "mono16", messages.left_image->header);
   messages.right_image = makeImage(even, "mono16", messages.right_image->header);
-  const GrayPair grey = grayPairOf(messages);
-  EXPECT_EQ(cv::norm(grey.left, grey.right, cv::NORM_INF), 0);
+  const GrayPair gray = grayPairOf(messages);
+  EXPECT_EQ(cv::norm(gray.left, gray.right, cv::NORM_INF), 0);
 }
 
 /// The message as written by a machine with the other byte order, with padded rows.
@@ -243,7 +243,7 @@ sensor_msgs::ImagePtr toBigEndian(const sensor_msgs::Image& message, std::uint32
   return big;
 }
 
-TEST(GreyPair, TakesBothOrdersOfBytes) {
+TEST(GrayPair, TakesBothOrdersOfBytes) {
   for (const auto& [encoding, type] : {std::pair("mono16", CV_16UC1), std::pair("16UC1", CV_16UC1),
                                        std::pair("bgr16", CV_16UC3)}) {
     PairMessages messages = goodMessages();
@@ -265,7 +265,7 @@ TEST(GreyPair, TakesBothOrdersOfBytes) {
   EXPECT_EQ(cv::norm(toFloats(*toBigEndian(message, 4), "t"), floats, cv::NORM_INF), 0);
 }
 
-TEST(GreyPair, RefusesWhatDiffers) {
+TEST(GrayPair, RefusesWhatDiffers) {
   PairMessages messages = goodMessages();
   messages.right_image =
       makeImage(cv::Mat(20, 37, CV_8UC1, cv::Scalar(7)), "mono8", messages.right_image->header);
@@ -280,7 +280,7 @@ TEST(GreyPair, RefusesWhatDiffers) {
   EXPECT_NO_THROW(grayPairOf(messages, true));
 }
 
-TEST(GreyPair, RefusesMalformedImages) {
+TEST(GrayPair, RefusesMalformedImages) {
   PairMessages messages = goodMessages();
   messages.left_image->width = messages.right_image->width = 0;
   expectBadPair(messages, InputFault::kEmptyImage, {kTopics.left_image, "0 x 23"});
@@ -318,8 +318,8 @@ TEST(Color, AllEncodingsGiveTheSame) {
     const auto message = makeImage(sent, encoding, {});
     EXPECT_EQ(cv::norm(toColor(*message, "/color", kSize), bgr, cv::NORM_INF), 0) << encoding;
   }
-  const cv::Mat grey(kSize, CV_8UC1, cv::Scalar(42));
-  EXPECT_EQ(toColor(*makeImage(grey, "mono8", {}), "/color", kSize).at<cv::Vec3b>(3, 4),
+  const cv::Mat gray(kSize, CV_8UC1, cv::Scalar(42));
+  EXPECT_EQ(toColor(*makeImage(gray, "mono8", {}), "/color", kSize).at<cv::Vec3b>(3, 4),
             cv::Vec3b(42, 42, 42));
 }
 

@@ -226,13 +226,13 @@ void expectSameLayout(const sensor_msgs::PointCloud2& ours, const sensor_msgs::P
   }
 }
 
-TEST_F(Parity, CloudsHaveTheSameLayoutAndColours) {
+TEST_F(Parity, CloudsHaveTheSameLayoutAndColors) {
   ASSERT_NO_FATAL_FAILURE(exchange());
   const auto& stock = stock_cloud_.at(stamp_);
   for (const sensor_msgs::PointCloud2& ours : {our_cloud_.at(stamp_), mixed_cloud_.at(stamp_)}) {
     ASSERT_NO_FATAL_FAILURE(expectSameLayout(ours, stock));
     for (std::size_t i = 0; i < ours.data.size(); i += ours.point_step) {
-      ASSERT_EQ(std::memcmp(&ours.data[i + 16], &stock.data[i + 16], 4), 0) << "colour";
+      ASSERT_EQ(std::memcmp(&ours.data[i + 16], &stock.data[i + 16], 4), 0) << "color";
     }
   }
 }

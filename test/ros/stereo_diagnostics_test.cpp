@@ -226,7 +226,7 @@ TEST_F(Diagnostics, ARigThatIsKnockedOutOfCalibrationIsAWarning) {
   diagnostics_.processed(makeFrame(1.1), at(2));
   const Report knocked = report(diagnostics_, &StereoDiagnostics::describeRectification, 2);
   EXPECT_EQ(knocked.level, DiagnosticStatus::WARN);
-  expectHolds(knocked.message, "1.10 px apart (at the centre 1.10 +- 0.02 px)");
+  expectHolds(knocked.message, "1.10 px apart (at the center 1.10 +- 0.02 px)");
   expectHolds(knocked.message, "leaves 0.05 px of 1.15 px");
   EXPECT_EQ(knocked.values.at("rms before correction (px)"), "1.150");
   EXPECT_EQ(knocked.values.at("rms after correction (px)"), "0.050");

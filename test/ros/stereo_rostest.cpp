@@ -225,9 +225,9 @@ class StereoTopics : public ::testing::Test {
     const PairMessages sent = makeGoodMessages();
     client_.cameras.publish(sent);
     ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
-    cv::Mat grey;
-    cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
-    expectAll(sent, expected, grey);
+    cv::Mat gray;
+    cv::cvtColor(pair_.left, gray, cv::COLOR_GRAY2BGR);
+    expectAll(sent, expected, gray);
   }
 
   void expectAll(const PairMessages& sent, const StereoResult& expected, const cv::Mat& color) {
@@ -355,12 +355,12 @@ TEST_F(StereoTopics, RectificationIsRefined) {
   offset.twist = status.vertical_offset_twist;
   offset.curvature_x = status.vertical_offset_curvature_x;
   offset.curvature_y = status.vertical_offset_curvature_y;
-  cv::Mat grey;
-  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
-  expectAll(sent, expectedResult(pair_, options_, offset), grey);
+  cv::Mat gray;
+  cv::cvtColor(pair_.left, gray, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_, offset), gray);
 }
 
-TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
+TEST_F(StereoTopics, CloudTakesColorOfEachEncoding) {
   const StereoResult expected = expectedResult(pair_, options_);
   cv::Mat bgr(kSize, CV_8UC3);
   cv::randu(bgr, 0, 256);
@@ -381,15 +381,15 @@ TEST_F(StereoTopics, CloudTakesColourOfEachEncoding) {
   }
 }
 
-TEST_F(StereoTopics, CloudStaysGreyWithUnusableColour) {
+TEST_F(StereoTopics, CloudStaysGrayWithUnusableColor) {
   const PairMessages sent = makeGoodMessages();
   client_.cameras.publishColor(makeImage(cv::Mat(9, 9, CV_8UC3), "bgr8", sent.left_image->header));
   wait(0.2);
   client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
-  cv::Mat grey;
-  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
-  expectAll(sent, expectedResult(pair_, options_), grey);
+  cv::Mat gray;
+  cv::cvtColor(pair_.left, gray, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), gray);
   EXPECT_TRUE(client_.log.waitForWarning({"/stereo/left/image_rect_color", "9 x 9"}));
 }
 
@@ -482,9 +482,9 @@ TEST_F(StereoTopics, ImagesMayDifferInEncoding) {
   sent.right_image->data.assign(color.data, color.data + color.total() * color.elemSize());
   client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
-  cv::Mat grey;
-  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
-  expectAll(sent, expectedResult(pair_, options_), grey);
+  cv::Mat gray;
+  cv::cvtColor(pair_.left, gray, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), gray);
 }
 
 TEST_F(StereoTopics, RangeNeedNotBeAMultipleOfSixteen) {
@@ -529,9 +529,9 @@ TEST_F(StereoTopics, RegionsOfInterestMayDiffer) {
   rig_.cy_px = (91 - 10) / 2.0;
   client_.cameras.publish(sent);
   ASSERT_TRUE(waitForOutputs(sent.left_image->header.stamp));
-  cv::Mat grey;
-  cv::cvtColor(pair_.left, grey, cv::COLOR_GRAY2BGR);
-  expectAll(sent, expectedResult(pair_, options_), grey);
+  cv::Mat gray;
+  cv::cvtColor(pair_.left, gray, cv::COLOR_GRAY2BGR);
+  expectAll(sent, expectedResult(pair_, options_), gray);
 }
 
 TEST_F(StereoTopics, RangeWiderThanTheImageIsClipped) {

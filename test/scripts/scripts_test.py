@@ -50,7 +50,7 @@ class TestOn(ScriptTest):
         self.refuses("test_on", says="expected bullseye, bookworm or trixie")
         self.refuses("test_on", "focal", says="the release is 'focal'")
         self.refuses("test_on", "trixie", "--compiler", says="--compiler has no value")
-        self.refuses("test_on", "trixie", "--only", "build", says="--only is build; expected demo or test")
+        self.refuses("test_on", "trixie", "--only", "build", says="--only is build; expected demo, test or workspace")
         self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none; expected a folder")
 
 

@@ -63,7 +63,7 @@ inline RandomMaps makeJudgedMaps(const Shape& shape, Content content, std::uint3
 
 /// Confidences in patches above and below the limit of confident pixels.
 inline cv::Mat makeConfidence(const cv::Size& size, Content content, std::uint32_t seed) {
-  return makeGrey(size, content, seed);
+  return makeGray(size, content, seed);
 }
 
 }  // namespace cbmv::test

@@ -17,8 +17,8 @@
 namespace cbmv::test {
 
 /// Pixel of an image whose border is repeated.
-inline double at(const cv::Mat& grey, int y, int x) {
-  return grey.at<std::uint8_t>(std::clamp(y, 0, grey.rows - 1), std::clamp(x, 0, grey.cols - 1));
+inline double at(const cv::Mat& gray, int y, int x) {
+  return gray.at<std::uint8_t>(std::clamp(y, 0, gray.rows - 1), std::clamp(x, 0, gray.cols - 1));
 }
 
 struct MatchingPair {
@@ -27,7 +27,7 @@ struct MatchingPair {
 };
 
 inline MatchingPair makePair(const Shape& shape, Content content) {
-  MatchingPair pair{makeGrey(shape.size(), content, 3), makeGrey(shape.size(), content, 4), {}, {}};
+  MatchingPair pair{makeGray(shape.size(), content, 3), makeGray(shape.size(), content, 4), {}, {}};
   pair.left.rowRange(0, (shape.height + 1) / 2).setTo(77);  // an area without texture
   padImage(pair.left, pair.padded_left);
   padImage(pair.right, pair.padded_right);

@@ -69,17 +69,17 @@ inline int patchValue(int y, int x, int max, std::uint32_t seed, std::mt19937& r
   return std::clamp(value + std::uniform_int_distribution<int>(-2, 2)(random), 0, max);
 }
 
-inline cv::Mat makeGrey(const cv::Size& size, Content content, std::uint32_t seed) {
+inline cv::Mat makeGray(const cv::Size& size, Content content, std::uint32_t seed) {
   std::mt19937 random(seed);
-  cv::Mat grey(size, CV_8UC1);
-  for (int y = 0; y < grey.rows; ++y) {
-    for (int x = 0; x < grey.cols; ++x) {
-      grey.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(
+  cv::Mat gray(size, CV_8UC1);
+  for (int y = 0; y < gray.rows; ++y) {
+    for (int x = 0; x < gray.cols; ++x) {
+      gray.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(
           content == Content::kNoise ? std::uniform_int_distribution<int>(0, 255)(random)
                                      : patchValue(y, x, 255, seed, random));
     }
   }
-  return grey;
+  return gray;
 }
 
 /// Costs in [0, max_cost]: noise, or low along patches of constant disparity.

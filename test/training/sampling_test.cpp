@@ -19,8 +19,8 @@ const DisparityRange kRange{2, 20};
 /// The left image is the right one shifted by kTruth, so the correct hypothesis has the best NCC.
 TrainingPair shiftedPair() {
   TrainingPair pair;
-  pair.right = makeGrey({90, 40}, Content::kNoise, 1);
-  pair.left = makeGrey({90, 40}, Content::kNoise, 2);
+  pair.right = makeGray({90, 40}, Content::kNoise, 1);
+  pair.left = makeGray({90, 40}, Content::kNoise, 2);
   pair.right.colRange(0, 90 - kTruth).copyTo(pair.left.colRange(kTruth, 90));
   pair.truth = cv::Mat(40, 90, CV_32FC1, cv::Scalar(kTruth + 0.2));
   pair.truth.colRange(0, 30).setTo(std::numeric_limits<float>::infinity());
@@ -174,7 +174,7 @@ TEST(Sampling, TrainsOnNothingThatTheHeldOutSamplesSee) {
   const int reach = 5;  // half size of the largest window
   const int first = std::max(0, band.begin - reach);
   const int last = std::min(40, band.end + reach);
-  makeGrey({90, last - first}, Content::kNoise, 9).copyTo(pair.left.rowRange(first, last));
+  makeGray({90, last - first}, Content::kNoise, 9).copyTo(pair.left.rowRange(first, last));
   EXPECT_EQ(trained(), before);
 }
 

@@ -163,7 +163,7 @@ TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
 RenderedScene makeWall(std::uint32_t seed) {
   constexpr int kDisparity = 5;
   RenderedScene scene;
-  scene.left = makeGrey({120, 90}, Content::kNoise, seed);
+  scene.left = makeGray({120, 90}, Content::kNoise, seed);
   cv::copyMakeBorder(scene.left.colRange(kDisparity, 120), scene.right, 0, 0, 0, kDisparity,
                      cv::BORDER_REPLICATE);
   scene.truth = cv::Mat(90, 120, CV_32FC1, cv::Scalar(kDisparity));

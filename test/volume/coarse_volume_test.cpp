@@ -22,11 +22,11 @@ TEST(HalveRange, HoldsTheHalvesOfAllDisparities) {
 
 TEST(HalveImage, IsTheMeanOfFourPixels) {
   for (const cv::Size size : {cv::Size(2, 2), cv::Size(31, 18), cv::Size(40, 23)}) {
-    const cv::Mat grey = makeGrey(size, Content::kNoise, 3);
+    const cv::Mat gray = makeGray(size, Content::kNoise, 3);
     cv::Mat half;
-    halveImage(grey, half);
+    halveImage(gray, half);
     expectMap<std::uint8_t>(half, {size.width / 2, size.height / 2}, [&](int y, int x) {
-      const double sum = cv::sum(grey(cv::Rect(2 * x, 2 * y, 2, 2)))[0];
+      const double sum = cv::sum(gray(cv::Rect(2 * x, 2 * y, 2, 2)))[0];
       return std::floor(sum / 4 + 0.5);
     });
   }

@@ -14,8 +14,8 @@ namespace {
 
 MatchingVolume buildVolume(const Shape& shape, const Forest& forest) {
   MatchingVolume volume;
-  VolumeBuilder().build(makeGrey(shape.size(), Content::kPatches, 1),
-                        makeGrey(shape.size(), Content::kPatches, 2), shape.range, forest,
+  VolumeBuilder().build(makeGray(shape.size(), Content::kPatches, 1),
+                        makeGray(shape.size(), Content::kPatches, 2), shape.range, forest,
                         ForestEvaluator(forest), volume);
   return volume;
 }
@@ -26,8 +26,8 @@ class VolumeBuilderTest : public testing::TestWithParam<Shape> {};
 template <typename CostOf>
 void expectCosts(const Shape& shape, const MatchingVolume& volume, const CostOf& cost_of) {
   MatcherSet matchers;
-  matchers.prepare(makeGrey(shape.size(), Content::kPatches, 1),
-                   makeGrey(shape.size(), Content::kPatches, 2));
+  matchers.prepare(makeGray(shape.size(), Content::kPatches, 1),
+                   makeGray(shape.size(), Content::kPatches, 2));
   const RowEntries entries = allEntries(shape);
   RowFeatures features;
   for (int y = 0; y < shape.height; ++y) {
@@ -122,8 +122,8 @@ TEST_P(VolumeBuilderTest, SwappingTheImagesGivesTheRightView) {
   shiftToRightView(shape.range, right, rows);
   cv::Mat mirrored_left;
   cv::Mat mirrored_right;
-  cv::flip(makeGrey(shape.size(), Content::kPatches, 1), mirrored_left, 1);
-  cv::flip(makeGrey(shape.size(), Content::kPatches, 2), mirrored_right, 1);
+  cv::flip(makeGray(shape.size(), Content::kPatches, 1), mirrored_left, 1);
+  cv::flip(makeGray(shape.size(), Content::kPatches, 2), mirrored_right, 1);
   // Census and Sobel differences are symmetric to the last bit. Rounding of sums does not matter,
   // because they are sums of integers.
   MatchingVolume swapped;

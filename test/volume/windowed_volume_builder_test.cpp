@@ -21,8 +21,8 @@ namespace {
 
 struct Scene {
   explicit Scene(const Shape& shape)
-      : left(makeGrey(shape.size(), Content::kPatches, 1)),
-        right(makeGrey(shape.size(), Content::kPatches, 2)) {}
+      : left(makeGray(shape.size(), Content::kPatches, 1)),
+        right(makeGray(shape.size(), Content::kPatches, 2)) {}
   cv::Mat left, right;
 };
 

@@ -62,10 +62,10 @@ void makeBag(const MakeBagArguments& arguments) {
     header.seq = static_cast<std::uint32_t>(frame);
     header.stamp = ros::Time(1.0 + frame / arguments.rate_hz);
     const RecordedPair pair = toRecordedPair(left, right, calibration, header);
-    bag.write("/stereo/left/image_rect", header.stamp, pair.left_grey);
+    bag.write("/stereo/left/image_rect", header.stamp, pair.left_gray);
     bag.write("/stereo/left/image_rect_color", header.stamp, pair.left_color);
     bag.write("/stereo/left/camera_info", header.stamp, pair.left_info);
-    bag.write("/stereo/right/image_rect", header.stamp, pair.right_grey);
+    bag.write("/stereo/right/image_rect", header.stamp, pair.right_gray);
     bag.write("/stereo/right/camera_info", header.stamp, pair.right_info);
   }
   bag.close();

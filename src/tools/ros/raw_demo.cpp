@@ -139,7 +139,7 @@ void calibrate(const CalibrateArguments& arguments) {
   requireWritableFolder(arguments.output);
   std::vector<std::pair<cv::Mat, cv::Mat>> pairs;
   for (const auto& [left, right] : pairsIn(arguments.folder)) {
-    pairs.emplace_back(readGreyImage(left), readGreyImage(right));
+    pairs.emplace_back(readGrayImage(left), readGrayImage(right));
     if (pairs.back().first.size() != pairs.front().first.size() ||
         pairs.back().second.size() != pairs.front().first.size()) {
       throw Error("images of the pair " + left + " do not have the size of the first pair");
