@@ -46,6 +46,9 @@ struct MatcherCosts {
 /// thread.
 class MatcherSet {
  public:
+  /// Memory for both images: the padded image, zero-mean SAD and Sobel SAD of each.
+  static constexpr double kBytesPerPixel = 2 * (1 + 4 + 2);
+
   /// Memory for one row at a time. One per thread.
   struct Scratch {
     CensusMatcher::Scratch census;

@@ -447,6 +447,12 @@ class CostAggregator::Impl {
   PerThread<Ring<std::uint32_t>> long_rings_;
 };
 
+double CostAggregator::bytesPerThread(double width, double disparities, int longest_arm_px) {
+  const double columns = std::min(width, std::max(48.0, 2.0 * longest_arm_px));
+  const double bytes_of_column = 2 * sizeof(std::uint16_t) * std::min(disparities + 64, 256.0);
+  return (2 * longest_arm_px + 1) * columns * bytes_of_column;
+}
+
 CostAggregator::CostAggregator() : impl_(std::make_unique<Impl>()) {}
 CostAggregator::~CostAggregator() = default;
 

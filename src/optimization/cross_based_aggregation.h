@@ -37,6 +37,13 @@ struct SupportArms {
 /// it processes one volume at a time.
 class CostAggregator {
  public:
+  /// Memory for images of `width` columns: the arms, sorted by the match.
+  static double bytesPerPixel(double width, double disparities) {
+    return 4 + 4 * disparities / width;
+  }
+  /// Memory of a thread: at most two lines for each column of a tile and each row that arms span.
+  static double bytesPerThread(double width, double disparities, int longest_arm_px);
+
   CostAggregator();
   ~CostAggregator();
   CostAggregator(const CostAggregator&) = delete;

@@ -17,6 +17,8 @@ struct EdgeImages {
 /// left neighbor (`horizontal`) or its upper neighbor (`vertical`). The maps have one row and one
 /// column more than the image. Pixels without this neighbor are zero.
 struct EdgeMaps {
+  static constexpr double kBytesPerPixel = 1 + 1;
+
   cv::Mat horizontal;
   cv::Mat vertical;
 };

@@ -16,6 +16,8 @@ float grayDeviation(const cv::Mat& gray);
 
 /// One image of a pair with its data for CBCA and SGM.
 struct PreparedImage {
+  static constexpr double kBytesPerPixel = 4;  ///< with aggregation: the arms
+
   cv::Mat gray;         ///< CV_8UC1
   cv::Mat arms;         ///< from computeSupportArms; empty without aggregation
   float deviation = 0;  ///< from grayDeviation

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include <opencv2/core.hpp>
@@ -44,6 +45,11 @@ namespace cbmv {
 /// it processes one volume at a time.
 class SemiGlobalMatcher {
  public:
+  /// Memory of the vertical paths of images of `width` columns.
+  static double bytesOfPaths(double width, double disparities) {
+    return 2 * sizeof(std::int16_t) * width * (disparities + 32);
+  }
+
   SemiGlobalMatcher();
   ~SemiGlobalMatcher();
   SemiGlobalMatcher(const SemiGlobalMatcher&) = delete;

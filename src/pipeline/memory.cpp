@@ -5,8 +5,19 @@
 #include <thread>
 
 #include "base/search_space.h"
+#include "matching/matcher_set.h"
+#include "optimization/cross_based_aggregation.h"
+#include "optimization/edge_maps.h"
+#include "optimization/prepared_image.h"
+#include "optimization/semi_global_matching.h"
 #include "pipeline/disparity_estimator.h"
 #include "pipeline/pyramid_matcher.h"
+#include "rectification/sparse_matches.h"
+#include "refinement/disparity_refiner.h"
+#include "refinement/speckle_filter.h"
+#include "search/mutual_matches.h"
+#include "selection/map_selector.h"
+#include "volume/volume_builder.h"
 
 namespace cbmv {
 namespace {
@@ -59,77 +70,51 @@ double bytesOfVolumes(const Problem& problem) {
   return problem.pixels * problem.disparities * bytesOfHypothesis(problem.options);
 }
 
-/// Maps of the rectification correction and of the matchers.
+/// Maps of the rectification correction (with the corrected image) and of the matchers.
 double bytesOfMatchingMaps(const Problem& problem) {
-  const double aligned_and_estimate = ifSet(problem.options.rectification.enabled, 1 + 30);
-  // For both images: padded image, zero-mean SAD, Sobel SAD.
-  const double matchers = 2 * (1 + 4 + 2);
-  return problem.pixels * (aligned_and_estimate + matchers);
+  const double correction =
+      ifSet(problem.options.rectification.enabled, 1 + kMeasurementBytesPerPixel);
+  return problem.pixels * (correction + MatcherSet::kBytesPerPixel);
 }
 
 /// Maps of cost aggregation, SGM and refinement.
 double bytesOfEstimationMaps(const Problem& problem) {
   const StereoOptions& options = problem.options;
-  const double edges = ifSet(options.sgm.iterations > 0, 4);
-  // Original arms, and arms by match.
-  const double arms =
-      ifSet(problem.aggregates(), 2 * 4 + 4 + 4 * problem.disparities / problem.width);
-  // Winners, median filter, bilateral filter, speckle filter with OpenCV's buffer.
-  const double refinement = 4 + 2 * 4 + ifSet(options.refinement.bilateral_sigma_px > 0, 4) +
-                            ifSet(options.refinement.speckle_size_px > 0, 2 + 9);
+  const double edges = ifSet(options.sgm.iterations > 0, 2 * EdgeMaps::kBytesPerPixel);
+  const double arms = ifSet(problem.aggregates(),
+                            2 * PreparedImage::kBytesPerPixel +
+                                CostAggregator::bytesPerPixel(problem.width, problem.disparities));
+  const double winners = sizeof(float);
+  const double refinement =
+      DisparityRefiner::bytesPerPixel(options.refinement) +
+      ifSet(options.refinement.speckle_size_px > 0, SpeckleBuffers::kBytesPerPixel);
+  // Disparity, confidence, labels, margin; disparities of the right view.
   const double result = 4 + 4 + 1 + 2 + ifSet(options.refinement.left_right_check, 4);
-  return problem.pixels * (edges + arms + refinement + result);
+  return problem.pixels * (edges + arms + winners + refinement + result);
 }
 
-/// The selection forest: its planes, and the rows of its threads.
-double bytesOfChoice(const Problem& problem) {
-  const double cells = (2 + 2) * 4.0 / 16;
-  const double wide_and_padded = 2 + 2 + 2;
-  const double neighbors = 2 * (2 + 1);
-  const double median = 4;
-  const double row = 3 * (4 + 4) + 2 * (2 + 1);
-  return problem.pixels * (cells + wide_and_padded + neighbors + median) +
-         problem.threads * problem.width * row;
-}
-
-/// The whole second forest: its planes, and the rows of its threads.
 double bytesOfSelection(const Problem& problem) {
   const RefinementOptions& options = problem.options.refinement;
-  if (!options.second_forest) {
-    return 0;
-  }
-  const double planes = 1 + 1 + 2 + 1 + 2 + 1;
-  const double cells = (5 * 3 + 2) * 4.0 / 16;  // means over windows and sums
-  const double confidence_and_bins = 1 + 1;
-  const double sigma = 4;
-  const double row = 5 * (4 + 4);
-  return problem.pixels * (planes + cells + confidence_and_bins + sigma) +
-         problem.threads * problem.width * row +
-         (options.replace_improbable ? bytesOfChoice(problem) : 0);
+  return ifSet(options.second_forest,
+               MapSelector::memoryBytes(problem.pixels, problem.width, problem.threads,
+                                        options.replace_improbable));
 }
 
 double bytesOfRows(const Problem& problem) {
-  const double entries = 1.2;
-  const double costs = 1 + 4 + 2 + 2;  // of the four matchers
-  const double shift = problem.matchesRightView() ? 1 : 0;
-  const double terms_census_and_ncc = 200;
-  return problem.threads * problem.width *
-         ((entries + costs + shift) * problem.disparities + terms_census_and_ncc);
+  return problem.threads * VolumeBuilder::bytesPerThread(problem.width, problem.disparities,
+                                                         problem.matchesRightView());
 }
 
 double bytesOfPaths(const Problem& problem) {
-  return problem.options.sgm.iterations > 0 ? 4 * problem.width * (problem.disparities + 32) : 0;
+  return ifSet(problem.options.sgm.iterations > 0,
+               SemiGlobalMatcher::bytesOfPaths(problem.width, problem.disparities));
 }
 
-/// At most two lines for each column of a tile and each row that arms span, as in CostAggregator.
 double bytesOfSums(const Problem& problem) {
-  if (!problem.aggregates()) {
-    return 0;
-  }
-  const double longest_arm = problem.options.aggregation.arm_length_px - 1;
-  const double columns = std::min(problem.width, std::max(48.0, 2 * longest_arm));
-  const double bytes_of_column = 2 * 2 * std::min(problem.disparities + 64, 256.0);
-  return problem.threads * (2 * longest_arm + 1) * columns * bytes_of_column;
+  const int longest_arm_px = problem.options.aggregation.arm_length_px - 1;
+  return ifSet(problem.aggregates(),
+               problem.threads * CostAggregator::bytesPerThread(problem.width, problem.disparities,
+                                                                longest_arm_px));
 }
 
 /// Both views of a level of a search: volumes and lists. Lists may have twice the capacity that
@@ -142,7 +127,7 @@ double bytesOfLists(const Problem& problem, double hypotheses) {
 
 /// Mutual matches and windows, SGM steps, and the coarser level.
 double bytesOfSearchMaps(const Problem& problem) {
-  const double matches = 2 + 2 * 1;
+  const double matches = MutualMatcher::kBytesPerPixel;
   const double windows = 1.5 * problem.disparities / 8 / kTileColumns;
   const double steps = 2 * (1 + problem.disparities / problem.width);
   const double surfaces = ifSet(problem.options.surface.enabled, 2 + 2 + 2 + 4.0 / 4);
@@ -151,7 +136,7 @@ double bytesOfSearchMaps(const Problem& problem) {
 }
 
 double bytesOfScan(const Problem& problem) {
-  return problem.threads * 4 * (problem.width + 128) * problem.disparities;
+  return problem.threads * MutualMatcher::bytesPerThread(problem.width, problem.disparities);
 }
 
 double bytesOfLevel(const Problem& problem, double hypotheses) {

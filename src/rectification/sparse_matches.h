@@ -8,6 +8,10 @@
 
 namespace cbmv {
 
+/// Memory of the measurement of the vertical offset (both images, their halves and OpenCV's
+/// corners).
+constexpr double kMeasurementBytesPerPixel = 30;
+
 /// Throws Error unless both images have the same size and are CV_8UC1.
 void requireGrayPair(const cv::Mat& left, const cv::Mat& right);
 

@@ -20,6 +20,11 @@ struct RefinedMaps {
 /// the filters, so it processes one pair at a time. Parallel by oneTBB.
 class DisparityRefiner {
  public:
+  /// Memory: the median filter with its border, and the bilateral filter.
+  static double bytesPerPixel(const RefinementOptions& options) {
+    return 2 * sizeof(float) + (options.bilateral_sigma_px > 0 ? sizeof(float) : 0);
+  }
+
   /// `winners` are the whole-pixel winners of the left view.
   void refine(const cv::Mat& winners, const DisparityRange& range, const RefinementOptions& options,
               const RefinedMaps& maps);

@@ -8,6 +8,8 @@ namespace cbmv {
 
 /// Memory of removeSpeckles, kept from frame to frame.
 struct SpeckleBuffers {
+  static constexpr double kBytesPerPixel = 2 + 9;  ///< 16-bit disparities, OpenCV's regions
+
   cv::Mat steps;  ///< disparities as integers, CV_16SC1
   cv::Mat regions;
 };

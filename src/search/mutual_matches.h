@@ -30,6 +30,13 @@ constexpr std::int16_t kNoMatch = -1;
 /// So windows without texture or with repeated texture have no match.
 class MutualMatcher {
  public:
+  /// Memory for both images: the matches, and the census of each.
+  static constexpr double kBytesPerPixel = 2 + 2 * 1;
+  /// Memory of a thread that scans a row.
+  static double bytesPerThread(double width, double disparities) {
+    return 4 * (width + 128) * disparities;
+  }
+
   /// `clear_percent` is in (0, 100]. Lower values give fewer but more reliable matches.
   explicit MutualMatcher(int clear_percent = 99);
   ~MutualMatcher();

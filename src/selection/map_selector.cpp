@@ -18,6 +18,26 @@ constexpr int kMedianSizePx = 3;
 
 }  // namespace
 
+double MapSelector::memoryBytes(double pixels, double width, double threads, bool replaces) {
+  const double planes = 1 + 1 + 2 + 1 + 2 + 1;
+  const double cells = (5 * 3 + 2) * 4.0 / 16;  // means over windows and sums
+  const double confidence_and_bins = 1 + 1;
+  const double sigma = 4;
+  const double row = 5 * (4 + 4);
+  const double judging =
+      pixels * (planes + cells + confidence_and_bins + sigma) + threads * width * row;
+  if (!replaces) {
+    return judging;
+  }
+  const double support_cells = (2 + 2) * 4.0 / 16;
+  const double wide_and_padded = 2 + 2 + 2;
+  const double neighbors = 2 * (2 + 1);
+  const double median = 4;
+  const double row_of_proposals = 3 * (4 + 4) + 2 * (2 + 1);
+  return judging + pixels * (support_cells + wide_and_padded + neighbors + median) +
+         threads * width * row_of_proposals;
+}
+
 MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
     : forest_(std::move(forest)), confidence_(*forest_->confidence, forest_->name) {
   if (forest_->selection != nullptr) {

@@ -40,6 +40,10 @@ struct SelectionSwitches {
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
 class MapSelector {
  public:
+  /// Memory for an image of so many pixels and columns, with a confidence forest, and with a
+  /// selection forest, too, if `replaces`.
+  static double memoryBytes(double pixels, double width, double threads, bool replaces);
+
   /// Of a forest that has a confidence forest; without a selection forest no disparity is replaced.
   /// Throws Error if features differ (requireFeatures).
   explicit MapSelector(std::shared_ptr<const Forest> forest);

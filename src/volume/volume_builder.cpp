@@ -137,6 +137,13 @@ class VolumeBuilder::Impl {
   PerThread<RowWorkspace> workspaces;
 };
 
+double VolumeBuilder::bytesPerThread(double width, double disparities, bool shifts) {
+  const double entries = 1.2;
+  const double costs = 1 + 4 + 2 + 2;  // of the four matchers
+  const double terms_census_and_ncc = 200;
+  return width * ((entries + costs + (shifts ? 1 : 0)) * disparities + terms_census_and_ncc);
+}
+
 VolumeBuilder::VolumeBuilder() : impl_(std::make_unique<Impl>()) {}
 VolumeBuilder::~VolumeBuilder() = default;
 

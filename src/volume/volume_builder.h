@@ -23,6 +23,10 @@ MatcherSelection askedMatchers(const Forest& forest);
 /// processed. Buffers are per thread and kept from frame to frame.
 class VolumeBuilder {
  public:
+  /// Memory of a thread: entries, costs of all matchers, terms and codes of a row; with `shifts`, a
+  /// row of shiftToRightView.
+  static double bytesPerThread(double width, double disparities, bool shifts);
+
   VolumeBuilder();
   ~VolumeBuilder();
   VolumeBuilder(const VolumeBuilder&) = delete;
