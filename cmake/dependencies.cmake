@@ -37,14 +37,22 @@ if(NOT CLI11_FOUND AND NOT CBMV_BUILD_TOOLS STREQUAL "AUTO" AND CBMV_BUILD_TOOLS
   cbmv_fetch_cli11()
   set(CLI11_FOUND ON)
 endif()
-cbmv_decide(CBMV_WITH_TOOLS CBMV_BUILD_TOOLS "command-line programs" CLI11_FOUND libcli11-dev)
+set(tools_need CLI11_FOUND libcli11-dev)
+if(CBMV_BUILD_ROS)
+  find_package(rosbag QUIET)
+  find_package(image_geometry QUIET)
+  find_package(camera_calibration_parsers QUIET)
+  list(APPEND tools_need rosbag_FOUND librosbag-dev image_geometry_FOUND libimage-geometry-dev
+       camera_calibration_parsers_FOUND libcamera-calibration-parsers-dev)
+endif()
+cbmv_decide(CBMV_WITH_TOOLS CBMV_BUILD_TOOLS "command-line programs" ${tools_need})
 
 # Training. Does not use Debian's CMake files for XGBoost, because they also require the XGBoost program.
 find_path(XGBOOST_INCLUDE_DIR xgboost/c_api.h)
 find_library(XGBOOST_LIBRARY xgboost)
 find_package(NLopt QUIET)
 cbmv_decide(CBMV_WITH_TRAINING CBMV_BUILD_TRAINING "cbmv_eval, cbmv_train and cbmv_tune"
-            CBMV_WITH_TOOLS libcli11-dev XGBOOST_LIBRARY libxgboost-dev NLopt_FOUND libnlopt-cxx-dev)
+            CBMV_WITH_TOOLS -DCBMV_BUILD_TOOLS=ON XGBOOST_LIBRARY libxgboost-dev NLopt_FOUND libnlopt-cxx-dev)
 if(CBMV_WITH_TRAINING)
   add_library(xgboost_c_api UNKNOWN IMPORTED)
   set_target_properties(xgboost_c_api PROPERTIES IMPORTED_LOCATION ${XGBOOST_LIBRARY}
@@ -63,10 +71,10 @@ if((CATKIN_ENABLE_TESTING OR BUILD_TESTING) AND NOT CBMV_BUILD_FUZZERS)
   set(tests_wanted AUTO)
 endif()
 if(tests_wanted)
-  cbmv_decide(CBMV_WITH_TESTS tests_wanted "tests" CBMV_WITH_TRAINING "what training needs" CBMV_gtest_main_LIBRARY
+  cbmv_decide(CBMV_WITH_TESTS tests_wanted "tests" CBMV_WITH_TRAINING -DCBMV_BUILD_TRAINING=ON CBMV_gtest_main_LIBRARY
               libgtest-dev CBMV_gmock_LIBRARY libgmock-dev)
 endif()
 
 find_package(benchmark QUIET)
-cbmv_decide(CBMV_WITH_BENCHMARKS CBMV_DEVELOPER "benchmarks" CBMV_WITH_TOOLS libcli11-dev benchmark_FOUND
+cbmv_decide(CBMV_WITH_BENCHMARKS CBMV_DEVELOPER "benchmarks" CBMV_WITH_TOOLS -DCBMV_BUILD_TOOLS=ON benchmark_FOUND
             libbenchmark-dev)

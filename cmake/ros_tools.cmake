@@ -1,8 +1,4 @@
 # Programs that read and write bags. They need no ROS master.
-find_package(rosbag REQUIRED)
-find_package(image_geometry REQUIRED)
-find_package(camera_calibration_parsers REQUIRED)
-
 file(GLOB offline_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/offline/*.cpp)
 if(CBMV_BUILD_FUZZERS)  # reads bags
   list(FILTER offline_sources INCLUDE REGEX "/(bag_reader|bag_set|frame_loader|frame_plan|pairing|stereo_topics)\\.cpp$")
