@@ -211,7 +211,7 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
                             static_cast<std::size_t>(pixels) * scenes.size();
   requireMachineMemory(static_cast<double>(count) * kBytesPerSample / (1 << 20),
                        std::to_string(count) + " samples",
-                       "lower --max-samples or --pixels-per-scene");
+                       "Lower --max-samples or --pixels-per-scene");
   reserve(samples, count);
   for (done = 0; done < total;) {
     const SceneReference& scene = scenes[done];

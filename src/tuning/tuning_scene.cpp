@@ -86,7 +86,7 @@ TuningScene prepareScene(const SceneReference& scene, const std::shared_ptr<cons
   options.range = range;
   requireMachineMemory(held_mb + requiredMemoryMb(pair.left.size(), options),
                        "scene " + pair.name + " and those before it",
-                       "choose fewer scenes or fewer rows of each");
+                       "Choose fewer scenes or fewer rows of each scene");
   return prepared;
 }
 

@@ -125,7 +125,7 @@ TEST(ForestFile, RefusesHostileJson) {
   };
   const std::string depths(500000, '[');
   EXPECT_THAT(fault(R"({"format": "cbmv_stereo forest", "version": 1, "model": )" + depths),
-              HasSubstr("64 levels"));
+              HasSubstr("64 nesting levels"));
   std::string keys = "{\"a\": 0";
   for (int i = 0; i < 100000; ++i) {
     keys += ", \"" + std::to_string(i) + "\": 0";
@@ -545,7 +545,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
       {"binary:logistic", "multi:softprob", "multi:softprob"},
       {"\"2.5E-1\"", "\"1\"", "base score"},
       {"\"2.5E-1\"", "\"x\"", "no valid JSON"},
-      {"\"2.5E-1\"", "\"" + std::string(65, '[') + "\"", "64 levels"},
+      {"\"2.5E-1\"", "\"" + std::string(65, '[') + "\"", "64 nesting levels"},
       {"\"20\"", "\"4\"", "20 features"},
       {"\"feature_names\": []", "\"feature_names\": [\"f0\"]", "another order"},
       {"\"split_type\": [0", "\"split_type\": [1", "categories"},

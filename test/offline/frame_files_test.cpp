@@ -221,7 +221,7 @@ TEST_F(FrameFilesTest, StopsAndResumesWithTheSameContent) {
   const auto whole = filesIn(folder_options_.output);
   for (const int frames : {1, 3}) {
     folder_options_.output = folder_.file("stopped" + std::to_string(frames));
-    folder_options_.earlier = EarlierParts::kRefuse;
+    folder_options_.earlier = EarlierParts::kReject;
     int asked = 0;
     ConversionEvents events;
     events.should_stop = [&] { return ++asked > frames; };

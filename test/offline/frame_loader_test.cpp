@@ -104,7 +104,7 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
               HasSubstr("sensor of 40000x40000"));
   EXPECT_THAT(changed([](Info& info) { info.binning_x = 4000000000U; }), HasSubstr("/left"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = "fisheye of my own"; }),
-              HasSubstr("/left is raw, but its camera_info has the unknown distortion model "
+              HasSubstr("/left is raw, but its camera_info has an unknown distortion model "
                         "'fisheye of my own'. Expected plumb_bob, rational_polynomial or "
                         "equidistant"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = ""; }),
