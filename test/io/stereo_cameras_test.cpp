@@ -179,7 +179,7 @@ TEST_F(StereoCamerasTest, TakesOneFileForBothOrOneForEach) {
   EXPECT_TRUE(mentions(errorOf(both, left), {both, "both cameras", left}));
   EXPECT_TRUE(mentions(errorOf(left), {left, "only the left camera"}));
   EXPECT_TRUE(mentions(errorOf(left, ros), {ros, "another format", left}));
-  EXPECT_TRUE(mentions(errorOf(left, left), {left, "same place"}));
+  EXPECT_TRUE(mentions(errorOf(left, left), {left, "same position"}));
 }
 
 TEST_F(StereoCamerasTest, NamesTheModelsOfEurocThatAreKnown) {

@@ -563,7 +563,7 @@ TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
   EXPECT_FALSE(summary.isComplete());
   ASSERT_EQ(summary.failures.size(), 1U);
   EXPECT_TRUE(
-      mentions(describeSummary(summary), {"3 of 4 frames done, 1 failed", "differ in size"}));
+      mentions(describeSummary(summary), {"3 of 4 frames done, 1 failed", "different sizes"}));
   ASSERT_EQ(disparities(output_).size(), 3U);
   EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
 }

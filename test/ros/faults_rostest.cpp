@@ -195,7 +195,7 @@ TEST_F(MessageFaults, SizesChangeInMidStream) {
         m.right_image =
             makeMessages(renderPair({60, 43}, 2, 5), {}, m.right_image->header.stamp).right_image;
       },
-      "differ in size (61 x 43 px and 60 x 43 px)");
+      "have different sizes (61 x 43 px and 60 x 43 px)");
 }
 
 TEST_F(MessageFaults, EncodingAndCalibrationChangeInMidStream) {

@@ -150,7 +150,7 @@ TEST_F(EvalTest, WithoutMatplotlibAllButThePageIsThere) {
   fs::create_directory(path("python"));
   std::ofstream(path("python/matplotlib.py")) << "raise ImportError('none here')\n";
   expectRefusal(evaluate("--report " + path("page"), "PYTHONPATH=" + path("python")),
-                {"The page is not made", "python3-matplotlib"});
+                {"The page cannot be written", "python3-matplotlib"});
   EXPECT_FALSE(fs::exists(path("page/index.html")));
   EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
   EXPECT_TRUE(fs::exists(path("page/maps/Two_error.jpg")));
