@@ -34,7 +34,7 @@ sensor_msgs::Image imageOf(const sensor_msgs::CameraInfo& info) {
 }
 
 /// The error when an image with the recorded size is rectified with this calibration.
-std::string refusal(const sensor_msgs::CameraInfo& info) {
+std::string rejection(const sensor_msgs::CameraInfo& info) {
   return errorText([&] { RawCamera(info, "/left", imageSize(imageOf(calibration()))); });
 }
 
@@ -73,13 +73,13 @@ TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
   expectOverrun(text, 0);
 }
 
-TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(refusal(calibration()), "no error"); }
+TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(rejection(calibration()), "no error"); }
 
 TEST(RawCamera, RefusesUnusableCalibrations) {
   const auto changed = [](const auto& change) {
     sensor_msgs::CameraInfo info = calibration();
     change(info);
-    return refusal(info);
+    return rejection(info);
   };
   using Info = sensor_msgs::CameraInfo;
   EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }),

@@ -21,7 +21,7 @@ std::string writePreset(const std::string& text) {
 }
 
 template <typename Action>
-std::string refusal(const Action& action) {
+std::string rejection(const Action& action) {
   try {
     action();
     return {};
@@ -75,14 +75,14 @@ TEST(Parameters, SetTheirOwnField) {
 
 TEST(Parameters, RefuseWrongTypesAndValues) {
   StereoOptions options;
-  EXPECT_THAT(refusal([&] { findParameter("P1").set(options, 61.0); }),
+  EXPECT_THAT(rejection([&] { findParameter("P1").set(options, 61.0); }),
               AllOf(HasSubstr("P1"), HasSubstr("61"), HasSubstr("[0, 60]")));
-  EXPECT_THAT(refusal([&] { findParameter("P1").set(options, std::nan("")); }), HasSubstr("P1"));
-  EXPECT_THAT(refusal([&] { findParameter("disparity_range").set(options, 64.5); }),
+  EXPECT_THAT(rejection([&] { findParameter("P1").set(options, std::nan("")); }), HasSubstr("P1"));
+  EXPECT_THAT(rejection([&] { findParameter("disparity_range").set(options, 64.5); }),
               HasSubstr("whole number"));
-  EXPECT_THAT(refusal([&] { findParameter("subpixel").set(options, 1); }),
+  EXPECT_THAT(rejection([&] { findParameter("subpixel").set(options, 1); }),
               HasSubstr("true or false"));
-  EXPECT_THAT(refusal([&] { findParameter("p3"); }), HasSubstr("p3"));
+  EXPECT_THAT(rejection([&] { findParameter("p3"); }), HasSubstr("p3"));
   findParameter("P1").set(options, 2);
   EXPECT_EQ(options.sgm.p1, 2.0F);
 }
@@ -134,7 +134,7 @@ TEST(Preset, MayBeginWithAByteOrderMark) {
 
 TEST(Preset, NamesFileAndKeyThatAreWrong) {
   const auto read = [](const std::string& path) {
-    return refusal([&] {
+    return rejection([&] {
       StereoOptions options;
       readPreset(path, options);
     });
@@ -150,7 +150,7 @@ TEST(Preset, NamesFileAndKeyThatAreWrong) {
 
 TEST(Preset, RefusesHostileYaml) {
   const auto read = [](const std::string& text) {
-    return refusal([&] {
+    return rejection([&] {
       StereoOptions options;
       readPreset(writePreset(text), options);
     });
