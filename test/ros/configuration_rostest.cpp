@@ -222,11 +222,11 @@ TEST(Startup, TwoInputsMayNotBeOneTopic) {
   StereoNodelet remapped("same_topic_test");
   EXPECT_FALSE(remapped.load({{"/same_topic_test/left/image_rect", "right/image_rect"}}));
   EXPECT_TRUE(log.waitForWarning(
-      {"cannot start", "same topic, /same_topic_test/right/image_rect", "remaps"}));
+      {"cannot start", "same topic /same_topic_test/right/image_rect", "remaps"}));
   StereoNodelet configured("same_info_test");
   configured.parameters().setParam("right_info_topic", "left/camera_info");
   EXPECT_FALSE(configured.load());
-  EXPECT_TRUE(log.waitForWarning({"same topic, /same_info_test/left/camera_info"}));
+  EXPECT_TRUE(log.waitForWarning({"same topic /same_info_test/left/camera_info"}));
 }
 
 TEST(Startup, ParametersOfStereoImageProcWithAnotherMeaningAreReported) {
