@@ -12,7 +12,7 @@ namespace cbmv {
 /// node logs a warning and drops the frame.
 class CBMV_API Error : public std::runtime_error {
  public:
-  explicit Error(const std::string& sentence) : std::runtime_error(sentence) {}
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
 };
 
 /// Names of the inputs for error messages: topics of the node or files of a tool.

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 
 
-class Refusal(Exception):
+class BadInput(Exception):
     """An error with a message for the user."""
 
 
@@ -38,7 +38,7 @@ class Shards:
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
-            raise Refusal(f"{self.plan_file} cannot be read: {error}") from error
+            raise BadInput(f"{self.plan_file} cannot be read: {error}. Check the file") from error
 
     def write_plan(self, plan):
         new = self.plan_file.with_suffix(".new")
@@ -46,7 +46,7 @@ class Shards:
             new.write_text(json.dumps(plan, indent=2) + "\n", encoding="utf-8")
             new.replace(self.plan_file)
         except OSError as error:
-            raise Refusal(f"{self.plan_file} cannot be written: {error.strerror}") from error
+            raise BadInput(f"{self.plan_file} cannot be written: {error.strerror}. Check its folder") from error
 
     def bag(self, number):
         return self.folder / f"shard-{number:04d}.bag"
@@ -96,9 +96,9 @@ class Shards:
 def slurm(command):
     """Standard output of a Slurm program."""
     if not shutil.which(command[0]):
-        raise Refusal(f"{command[0]} is not on the PATH; Slurm's programs have to be")
+        raise BadInput(f"{command[0]} is not on the PATH, expected Slurm's programs. Install Slurm or correct PATH")
     done = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           universal_newlines=True)
     if done.returncode != 0:
-        raise Refusal(f"{command[0]} has failed: {' '.join(done.stderr.split())}")
+        raise BadInput(f"{command[0]} has failed: {' '.join(done.stderr.split())}")
     return done.stdout

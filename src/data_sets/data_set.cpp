@@ -50,8 +50,8 @@ const Kind& findKind(const std::string& name, const std::string& data_set) {
     }
     all += (all.empty() ? "" : ", ") + std::string(kind.name);
   }
-  throw Error("data set " + data_set + ": must be KIND:DIR or list:FILE, where KIND is one of " +
-              all);
+  throw Error("data set " + data_set +
+              ": unknown, expected KIND:DIR or list:FILE, where KIND is one of " + all);
 }
 
 /// "data set A, B", for messages.
@@ -70,7 +70,8 @@ DataSet DataSet::open(const std::string& kind_and_folder, Truth truth) {
   const Kind& kind = findKind(kind_and_folder.substr(0, colon), kind_and_folder);
   const std::string path = colon == std::string::npos ? "" : kind_and_folder.substr(colon + 1);
   if (path.empty()) {
-    throw Error("data set " + kind_and_folder + ": a folder or file must follow the kind and ':'");
+    throw Error("data set " + kind_and_folder +
+                ": no folder or file after ':', expected KIND:DIR or list:FILE. Add it");
   }
   DataSet data_set;
   data_set.kind_ = kind.name;
@@ -84,7 +85,7 @@ DataSet DataSet::open(const std::string& kind_and_folder, Truth truth) {
   data_set.reader_ = kind.make_reader(path, truth);
   data_set.scenes_ = data_set.reader_->scenes();
   if (data_set.scenes_.empty()) {
-    throw Error("data set " + kind_and_folder + ": has no scene, it must hold " + kind.layout);
+    throw Error("data set " + kind_and_folder + ": has no scene, expected " + kind.layout);
   }
   return data_set;
 }
@@ -120,7 +121,8 @@ std::vector<SceneReference> chooseScenes(const std::vector<DataSet>& data_sets,
     }
   }
   if (chosen.empty()) {
-    throw Error(namesOf(data_sets) + ": no scene is left, all are excluded");
+    throw Error(namesOf(data_sets) +
+                ": all scenes are excluded, expected at least one. Correct --scenes and --exclude");
   }
   return chosen;
 }

@@ -54,8 +54,9 @@ ListedPair parsePair(const std::string& text, const std::string& line) {
     valid = !in.fail() && pair.disparities > 0 && (in >> std::ws).eof();
   }
   if (!valid) {
-    throw Error(line + ": must be \"left right disparity scale [ndisp]\" with three file names " +
-                "without blanks, a scale above 0 and a whole number above 0.");
+    throw Error(line +
+                ": invalid line, expected \"left right disparity scale [ndisp]\" with three file "
+                "names without blanks, a scale above 0 and a whole number above 0. Correct it.");
   }
   return pair;
 }
@@ -82,8 +83,8 @@ class ListReader : public SceneReader {
       const ListedPair pair = parsePair(text, file.string() + ", line " + std::to_string(number));
       const auto [other, is_new] = pairs_.emplace(sceneName(pair.left), pair);
       if (!is_new) {
-        throw Error(pair.line + ": its scene is called " + other->first + " like that of " +
-                    other->second.line + "; the names of left images must differ.");
+        throw Error(pair.line + ": its scene is called " + other->first + ", as that of " +
+                    other->second.line + ", expected different names of left images. Rename one.");
       }
     }
   }

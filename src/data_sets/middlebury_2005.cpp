@@ -134,7 +134,7 @@ class Middlebury2005Reader : public SceneReader {
 
   [[noreturn]] void fail(const fs::path& file, const std::string& what, const Size& better) const {
     throw Error("Cannot read " + file.string() + " as " + size_.kind + ", " + size_.title + ": " +
-                what + ". Take the kind " + better.kind + ".");
+                what + ". Use the kind " + better.kind + ".");
   }
 
   fs::path folder_;

@@ -12,8 +12,8 @@ namespace cbmv {
 void requireDisparitiesFit(const std::string& file, const StereoCalibration& calibration) {
   if (calibration.disparities > calibration.width) {
     throw Error(file + ": ndisp is " + std::to_string(calibration.disparities) +
-                ", it must be at most the width of the images, " +
-                std::to_string(calibration.width) + ".");
+                ", expected at most the width of the images, " + std::to_string(calibration.width) +
+                ". Correct it.");
   }
 }
 
@@ -47,7 +47,8 @@ std::vector<std::string> listEntries(
     const std::filesystem::path& folder,
     const std::function<bool(const std::filesystem::path&)>& accept) {
   if (!std::filesystem::is_directory(folder)) {
-    throw Error("Cannot list the scenes of " + folder.string() + ": no such folder.");
+    throw Error("Cannot list the scenes of " + folder.string() +
+                ": no such folder. Check the path.");
   }
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -30,7 +30,7 @@ std::optional<MatchedScene> tryScene(const DataSet& data_set, const std::string&
     }
     return matched;
   } catch (const std::exception& error) {
-    events.failure("scene " + name + " is left out: " + describeFailure(error));
+    events.failure("scene " + name + " failed: " + describeFailure(error));
     return std::nullopt;
   }
 }

@@ -23,10 +23,10 @@ struct Outcome {
 [[noreturn]] void failToRun(const std::string& program, int error) {
   const bool is_there = std::filesystem::exists(program);
   throw Error("Cannot run " + program + ": " +
-              (error == ENOENT && is_there ? "Python is missing, it needs the packages python3 and "
-                                             "python3-matplotlib"
-               : error == ENOENT           ? "no such file, it must be installed beside the tools"
-                                           : std::strerror(error)) +
+              (error == ENOENT && is_there
+                   ? "Python is missing. Install the packages python3 and python3-matplotlib"
+               : error == ENOENT ? "no such file, expected beside the tools. Install it there"
+                                 : std::strerror(error)) +
               ".");
 }
 
@@ -89,7 +89,8 @@ void writeEvaluationPage(const std::string& program, const std::string& json,
                          const std::string& maps, const std::string& page) {
   const Outcome outcome = runProgram({program, json, "--maps", maps, "--output", page});
   if (!outcome.succeeded) {
-    throw Error("The page is not made, all else is written: " + lastLine(outcome.errors));
+    throw Error("The page cannot be written, everything else is written: " +
+                lastLine(outcome.errors));
   }
 }
 

@@ -20,7 +20,8 @@ std::size_t foldOf(const std::string& scene) {
       return fold;
     }
   }
-  throw Error("scene " + scene + ": is in none of the three folds of Middlebury v3; exclude it");
+  throw Error("scene " + scene +
+              ": is in none of the three folds of Middlebury v3. Exclude it with --exclude");
 }
 
 std::vector<std::string> orderByFold(const std::vector<std::string>& scenes) {

@@ -257,8 +257,8 @@ void requireVersion(const Json& json, const std::string& path) {
   const int version = json.is_object() ? json.value("version", 1) : kVersion;
   if (version != kVersion) {
     throw Error("Cannot read " + path + ": it is a report of version " + std::to_string(version) +
-                " and lacks numbers that this program reports, expected version " +
-                std::to_string(kVersion) + ". Measure all scenes anew, without --resume.");
+                " and misses numbers that this program reports, expected version " +
+                std::to_string(kVersion) + ". Measure all scenes again, without --resume.");
   }
 }
 

@@ -132,7 +132,9 @@ SceneScore scoreScene(const StereoScene& scene, const SceneMaps& maps,
   const PixelScore noc = scorePixels(compared, scene.visible);
   const PixelScore all = scorePixels(compared, everywhere);
   if (noc.error.pixels == 0) {
-    throw Error("no pixel that both cameras see has a known true disparity");
+    throw Error(
+        "no pixel that both cameras see has a known true disparity, expected at least one. Check "
+        "the ground truth");
   }
   SceneScore score;
   score.scene = scene.name;

@@ -45,8 +45,9 @@ const SubmissionFormat& findFormat(const DataSet& data_set) {
       kFormats.begin(), kFormats.end(),
       [&](const SubmissionFormat& candidate) { return data_set.kind() == candidate.kind; });
   if (format == kFormats.end()) {
-    throw Error("data set " + data_set.name() + ": no benchmark takes an upload of this kind, it " +
-                "must be middlebury_v3, kitti2012, kitti2015 or eth3d");
+    throw Error("data set " + data_set.name() +
+                ": there is no benchmark of this kind, expected middlebury_v3, kitti2012, "
+                "kitti2015 or eth3d. Leave out --submission");
   }
   return *format;
 }
@@ -56,8 +57,9 @@ char findResolution(const DataSet& data_set) {
   const fs::path folder = fs::absolute(fs::path(data_set.folder()) / ".").lexically_normal();
   const char letter = folder.parent_path().filename().string().back();
   if (letter != 'Q' && letter != 'H' && letter != 'F') {
-    throw Error("data set " + data_set.name() + ": the name of the folder must end with the " +
-                "resolution, Q, H or F, as trainingQ does, so that the upload can name it");
+    throw Error("data set " + data_set.name() +
+                ": the name of the folder does not end with the resolution Q, H or F, which the "
+                "upload needs. Rename it, for example to trainingQ");
   }
   return letter;
 }

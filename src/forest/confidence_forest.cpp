@@ -22,9 +22,9 @@ void requireFeatures(const ConfidenceForest& forest, const std::string& stage,
   }
   const auto f = static_cast<std::size_t>(same - own.begin());
   throw Error("forest " + file_name + ": feature " + std::to_string(f) + " of the " + stage +
-              " forest is " + nameAt(own, f) + ", this program expects " +
+              " forest is " + nameAt(own, f) + ", expected " +
               (f < names.size() ? nameAt(names, f) : std::to_string(names.size()) + " features") +
-              "; train the forest again with this version of cbmv_train");
+              ". Train the forest again with this version of cbmv_train");
 }
 
 }  // namespace cbmv

@@ -301,16 +301,18 @@ ForestProvenance provenanceFromJson(const Json& json) {
 std::string readText(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) {
-    fail(path, "cannot be opened; give the path of a file that cbmv_train wrote");
+    fail(path, "cannot be opened. Give the path of a file that cbmv_train wrote");
   }
   const std::streamoff size = file.tellg();
   if (size < 0 || size > kLargestFile) {
-    fail(path, "is not a forest file, which has at most 64 MiB");
+    fail(path,
+         "is not a forest file, expected at most 64 MiB. Give the path of a file that cbmv_train "
+         "wrote");
   }
   std::string text(static_cast<std::size_t>(size), '\0');
   file.seekg(0);
   if (!file.read(text.data(), size)) {
-    fail(path, "cannot be read");
+    fail(path, "cannot be read. Copy the file again");
   }
   return text;
 }
@@ -542,13 +544,13 @@ void writeForest(const Forest& forest, const std::string& path) {
   const std::string text = json.dump(forest.general_trees.empty() ? kIndentation : kOneLine);
   if (text.size() >= static_cast<std::size_t>(kLargestFile)) {
     fail(path, "would have " + std::to_string(text.size() >> 20) +
-                   " MiB, and 64 MiB are read at most; grow fewer trees, or more samples a leaf");
+                   " MiB, expected at most 64 MiB. Use fewer trees or more samples per leaf");
   }
   std::ofstream file(path, std::ios::binary);
   file << text << '\n';
   file.close();
   if (!file) {
-    fail(path, "cannot be written");
+    fail(path, "cannot be written. Check that the folder exists, is writable and has free space");
   }
 }
 

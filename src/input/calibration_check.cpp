@@ -150,7 +150,7 @@ class CameraChecker {
     if (rectified_by_ == RectifiedBy::kUs) {
       fail(InputFault::kUncalibrated, problem + " Calibrate the cameras, or set R.");
     } else {
-      warn(problem + " It is not used, since the images are taken as rectified. Set R.");
+      warn(problem + " It is not used, because the images are treated as rectified. Set R.");
     }
   }
 
@@ -221,16 +221,14 @@ class PairChecker {
         join("left ", entryText(cameras_.left, 3), ", right ", entryText(cameras_.right, 3));
     if (!(std::abs(baseline_m) <= kLargest) || !(geometry.focal_length_px <= kLargest) ||
         !(std::abs(geometry.disparity_offset_px) <= kLargest)) {
-      fail(
-          join("have projection matrices with numbers of no reasonable size: they give a focal "
-               "length of ",
-               geometry.focal_length_px, " px and a baseline of ", baseline_m,
-               " m. Calibrate the cameras."));
+      fail(join("have projection matrices without reasonable size: they give a focal length of ",
+                geometry.focal_length_px, " px and a baseline of ", baseline_m,
+                " m. Calibrate the cameras."));
       return false;
     }
     if (std::abs(baseline_m) < kSmallest) {
       fail("have no baseline (" + entries +
-           "). Expected right P[3] = -fx * baseline: the cameras were calibrated one by one. "
+           "). Expected right P[3] = -fx * baseline: the cameras were calibrated separately. "
            "Calibrate them as a stereo camera.");
       return false;
     }

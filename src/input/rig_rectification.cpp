@@ -30,21 +30,24 @@ bool allFinite(const Numbers& numbers) {
 void requireCamera(const CameraCalibration& camera, const char* side) {
   const std::string whose = std::string("the ") + side + " camera's ";
   const std::size_t count = camera.distortion.size();
-  require(camera.width > 0 && camera.height > 0, whose + "width and height must be above 0");
+  require(camera.width > 0 && camera.height > 0,
+          whose + "width and height are not above 0. Correct them");
   require(
       allFinite(camera.camera_matrix) && camera.camera_matrix[0] > 0 && camera.camera_matrix[4] > 0,
-      whose + "camera matrix must have focal lengths above 0");
-  require(allFinite(camera.distortion), whose + "distortion coefficients must be finite numbers");
+      whose + "camera matrix has focal lengths that are not above 0. Calibrate the camera");
+  require(allFinite(camera.distortion),
+          whose + "distortion coefficients are not all finite numbers. Calibrate the camera");
   if (camera.distortion_model == kEquidistant) {
-    require(count == 4, whose + "distortion model equidistant must have 4 coefficients");
+    require(count == 4, whose + "distortion model equidistant has " + std::to_string(count) +
+                            " coefficients, expected 4. Correct them");
   } else {
     require(
         camera.distortion_model == "plumb_bob" || camera.distortion_model == "rational_polynomial",
         whose + "distortion model is \"" + camera.distortion_model +
-            "\", expected plumb_bob, rational_polynomial or equidistant");
-    require(
-        count == 0 || count == 4 || count == 5 || count == 8,
-        whose + "distortion coefficients are " + std::to_string(count) + ", expected 4, 5 or 8");
+            "\", expected plumb_bob, rational_polynomial or equidistant. Correct distortion_model");
+    require(count == 0 || count == 4 || count == 5 || count == 8,
+            whose + "distortion coefficients are " + std::to_string(count) +
+                ", expected 4, 5 or 8. Correct them");
   }
 }
 
@@ -53,9 +56,10 @@ void requireTransform(const RigTransform& transform) {
   require(
       cv::norm(rotation * rotation.t(), cv::Matx33d::eye(), cv::NORM_INF) < kRotationTolerance &&
           cv::determinant(rotation) > 0,
-      "the transform from the left to the right camera holds no rotation");
+      "the transform from the left to the right camera has no valid rotation. Calibrate the "
+      "cameras");
   require(allFinite(transform.translation.val) && cv::norm(transform.translation) > 0,
-          "both cameras stand at the same place");
+          "both cameras are at the same position, expected a baseline. Calibrate the cameras");
 }
 
 cv::Matx33d matrixOf(const CameraCalibration& camera) {
@@ -70,9 +74,10 @@ void rectifyRig(StereoCameras& cameras, const RigTransform& right_from_left) {
   requireCamera(left, "left");
   requireCamera(right, "right");
   require((left.distortion_model == kEquidistant) == (right.distortion_model == kEquidistant),
-          "one has the distortion model equidistant, the other has not; both must have the same");
+          "only one camera has the distortion model equidistant, expected both or none. Calibrate "
+          "both with one model");
   require(left.width == right.width && left.height == right.height,
-          "their images differ in size; both must have the same");
+          "their images have different sizes, expected equal sizes. Use images of one resolution");
   requireTransform(right_from_left);
   const cv::Size size(left.width, left.height);
   cv::Matx33d rotations[2];

@@ -7,8 +7,9 @@ namespace {
 
 void requireImage(const cv::Mat& image, const std::string& name) {
   if (image.empty()) {
-    throw InputError(InputFault::kEmptyImage,
-                     name + " is an empty image (" + sizeText(image.size()) + ")");
+    throw InputError(InputFault::kEmptyImage, name + " has an empty image (" +
+                                                  sizeText(image.size()) +
+                                                  "), expected at least 1 x 1 px. Check the input");
   }
 }
 
@@ -20,8 +21,9 @@ GrayPair toGrayPair(const StereoInput& input) {
   if (input.left.size() != input.right.size()) {
     throw InputError(InputFault::kDifferentSizes,
                      input.names.left_image + " and " + input.names.right_image +
-                         " differ in size (" + sizeText(input.left.size()) + " and " +
-                         sizeText(input.right.size()) + "); a rectified pair has one size");
+                         " have different sizes (" + sizeText(input.left.size()) + " and " +
+                         sizeText(input.right.size()) +
+                         "), expected equal sizes. Use a rectified pair");
   }
   return toGrayPair(input.left, input.right);
 }

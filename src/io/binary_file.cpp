@@ -11,19 +11,20 @@ namespace cbmv {
 std::ifstream openForReading(const std::string& path, std::uintmax_t largest) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    throw Error("Cannot read " + path + ": no such file.");
+    throw Error("Cannot read " + path + ": no such file. Check the path.");
   }
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw Error("Cannot read " + path + ": it is not a file.");
+    throw Error("Cannot read " + path + ": it is not a regular file. Give the path of a file.");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (!error && size > largest) {
     throw Error("Cannot read " + path + ": it has " + std::to_string(size) +
-                " bytes, such a file has at most " + std::to_string(largest) + ".");
+                " bytes, expected at most " + std::to_string(largest) +
+                ". Check that it is the right file.");
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) {
-    throw Error("Cannot read " + path + ": opening it failed, its permissions must allow reading.");
+    throw Error("Cannot read " + path + ": it cannot be opened. Check its permissions.");
   }
   in.imbue(std::locale::classic());
   return in;
@@ -52,7 +53,8 @@ void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) {
-    throw Error("Cannot make the folder " + path + ": " + error.message() + ".");
+    throw Error("Cannot create the folder " + path + ": " + error.message() +
+                ". Check that its parent is writable.");
   }
 }
 
@@ -61,7 +63,8 @@ void writeFile(const std::string& path, const std::string& content) {
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
   out.close();
   if (!out) {
-    throw Error("Cannot write " + path + ": the folder must exist, allow writing and have room.");
+    throw Error("Cannot write " + path +
+                ". Check that the folder exists, is writable and has free space.");
   }
 }
 
@@ -77,7 +80,8 @@ void replaceFile(const std::string& path, const std::string& content) {
   writeFile(part, content);
   std::filesystem::rename(part, target, error);
   if (error) {
-    throw Error("Cannot write " + path + ": replacing it failed, " + error.message() + ".");
+    throw Error("Cannot write " + path + ": it cannot be replaced (" + error.message() +
+                "). Check that the folder is writable.");
   }
 }
 

@@ -26,13 +26,13 @@ class JsonBounds {
   /// Counts one event of the parser inside of `depth` brackets. Throws JsonTooLarge.
   void count(int depth, nlohmann::json::parse_event_t event) {
     using Event = nlohmann::json::parse_event_t;
-    require(++values_ <= kMaxValues, "holds more than ", kMaxValues, " values");
+    require(++values_ <= kMaxValues, "has more than ", kMaxValues, " values");
     const bool opens = event == Event::object_start || event == Event::array_start;
-    require(!opens || depth < kMaxDepth, "has brackets in more than ", kMaxDepth, " levels");
+    require(!opens || depth < kMaxDepth, "has more than ", kMaxDepth, " nesting levels");
     if (opens) {
       keys_[depth + 1] = 0;
     } else if (event == Event::key) {
-      require(++keys_[depth] <= kMaxKeys, "has an object of more than ", kMaxKeys, " keys");
+      require(++keys_[depth] <= kMaxKeys, "has an object with more than ", kMaxKeys, " keys");
     }
   }
 

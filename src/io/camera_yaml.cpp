@@ -29,8 +29,9 @@ void writeMatrix(std::ostream& text, const char* key, std::size_t rows, const Nu
 
 void requireSame(double left, double right, const std::string& what, const std::string& path) {
   if (std::abs(left - right) > kSame) {
-    throw Error("Cannot use " + path + ": its projection_matrix has another " + what +
-                " than the left camera's; both must be of one stereo calibration.");
+    throw Error("Cannot use " + path + ": its " + what +
+                " differs from the left camera's, expected equal values. Use both files of one "
+                "stereo calibration.");
   }
 }
 
@@ -38,8 +39,9 @@ void requireSame(double left, double right, const std::string& what, const std::
 void requireRectified(const CameraCalibration& camera, const std::string& path) {
   const double fx = camera.projection[0];
   if (!(fx > 0) || std::abs(fx - camera.projection[5]) > kSame) {
-    throw Error("Cannot use " + path + ": its projection_matrix must have one focal length above " +
-                "0, as that of a rectified stereo camera.");
+    throw Error("Cannot use " + path +
+                ": its projection_matrix has no single focal length above 0, expected equal fx and "
+                "fy of a rectified stereo camera. Use the result of a stereo calibration.");
   }
 }
 
@@ -84,14 +86,17 @@ StereoCalibration readCameraYamlPair(const std::string& left_path, const std::st
   const CameraCalibration right = readCameraYaml(right_path);
   requireRectified(left, left_path);
   requireRectified(right, right_path);
-  requireSame(left.projection[0], right.projection[0], "focal length", right_path);
-  requireSame(left.projection[6], right.projection[6], "center row", right_path);
+  requireSame(left.projection[0], right.projection[0], "focal length in projection_matrix",
+              right_path);
+  requireSame(left.projection[6], right.projection[6], "center row in projection_matrix",
+              right_path);
   requireSame(left.width, right.width, "image width", right_path);
   requireSame(left.height, right.height, "image height", right_path);
   if (!(right.projection[3] < left.projection[3])) {
-    throw Error(
-        "Cannot use " + right_path + ": its projection_matrix must have a negative fourth " +
-        "number, -f times the baseline; the cameras are swapped, or calibrated one by one.");
+    throw Error("Cannot use " + right_path +
+                ": the fourth value of its projection_matrix is not negative, expected -f times "
+                "the baseline. The cameras are swapped or were calibrated separately: exchange the "
+                "files, or use a stereo calibration.");
   }
   StereoCalibration calibration;
   calibration.focal_length_px = left.projection[0];

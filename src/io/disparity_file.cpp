@@ -21,8 +21,9 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 cv::Mat readIntegers(const std::string& path) {
   cv::Mat image = decodeImageFile(path, cv::IMREAD_UNCHANGED);
   if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_16UC1)) {
-    throw Error("Cannot read " + path + ": disparities must be a .pfm file or a gray image of 8 " +
-                "or 16 bits that OpenCV can decode.");
+    throw Error("Cannot read " + path +
+                ": it is not a disparity file, expected a .pfm file or a gray image with 8 or 16 "
+                "bits. Convert it to PFM or PNG.");
   }
   return image;
 }

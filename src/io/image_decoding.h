@@ -28,9 +28,10 @@ inline cv::Mat decodeImageFile(const std::string& path, int flags) {
   constexpr std::uintmax_t largest_file = 1U << 30;
   const std::vector<std::uint8_t> bytes = readBytes(path, largest_file);
   if (claimedPixels(bytes.data(), bytes.size()) > kMaxImagePixels) {
-    throw Error("Cannot read " + path + ": it claims to hold " +
+    throw Error("Cannot read " + path + ": its header has " +
                 std::to_string(claimedPixels(bytes.data(), bytes.size())) +
-                " pixels, images must have at most " + std::to_string(kMaxImagePixels) + ".");
+                " pixels, expected at most " + std::to_string(kMaxImagePixels) +
+                ". Use a smaller image.");
   }
   return decodeImage(bytes, flags);
 }

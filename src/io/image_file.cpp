@@ -19,13 +19,14 @@ cv::Mat readImage(const std::string& path) {
   cv::Mat image = decodeImageFile(
       path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (image.empty()) {
-    throw Error("Cannot read " + path + ": it is not an image, or damaged, or of a format that " +
-                "OpenCV cannot decode.");
+    throw Error("Cannot read " + path +
+                ": OpenCV cannot decode it. It is damaged, has an unknown format or is not an "
+                "image. Convert it to PNG.");
   }
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
-    throw Error("Cannot read " + path + ": its pixels are of the type " +
-                cv::typeToString(image.type()) + ", expected 8 or 16 bits without sign per " +
-                "channel. Convert it to such an image, for example a PNG.");
+    throw Error("Cannot read " + path + ": its pixels have the type " +
+                cv::typeToString(image.type()) +
+                ", expected unsigned 8 or 16 bits per channel. Convert it, for example to PNG.");
   }
   return image;
 }
@@ -33,9 +34,9 @@ cv::Mat readImage(const std::string& path) {
 void requireSameSize(const std::filesystem::path& file, const cv::Size& size,
                      const std::filesystem::path& reference, const cv::Size& expected) {
   if (size != expected) {
-    throw Error("Sizes disagree: " + file.string() + " is " + sizeText(size) + ", but " +
-                reference.string() + " is " + sizeText(expected) +
-                "; both must have the same size.");
+    throw Error(file.string() + " has " + sizeText(size) + " pixels, expected " +
+                sizeText(expected) + " as " + reference.string() +
+                ". Use files of the same scene and resolution.");
   }
 }
 
@@ -61,8 +62,9 @@ void writeImage(const std::string& path, const cv::Mat& image) {
     written = false;
   }
   if (!written) {
-    throw Error("Cannot write " + path + ": the folder must exist and allow writing, and the " +
-                "extension must be one that OpenCV writes, such as .png.");
+    throw Error("Cannot write " + path +
+                ". Check that the folder exists and is writable, and that the extension is a "
+                "format that OpenCV writes, such as .png.");
   }
 }
 

@@ -41,7 +41,7 @@ KeyValueFile::KeyValueFile(const std::string& path, char separator) : path_(path
 double KeyValueFile::positive(const std::string& key) const {
   const std::vector<double> read = numbers(key);
   if (read.size() != 1 || !(read[0] > 0.0)) {
-    fail(key, "must be one number above 0");
+    fail(key, "is not a number above 0");
   }
   return read[0];
 }
@@ -49,7 +49,7 @@ double KeyValueFile::positive(const std::string& key) const {
 int KeyValueFile::positiveInteger(const std::string& key) const {
   const double read = positive(key);
   if (read != std::floor(read) || read > std::numeric_limits<int>::max()) {
-    fail(key, "must be a whole number");
+    fail(key, "is not a whole number");
   }
   return static_cast<int>(read);
 }
@@ -74,13 +74,13 @@ std::vector<double> KeyValueFile::numbers(const std::string& key) const {
 cv::Matx33d KeyValueFile::cameraMatrix(const std::string& key) const {
   const std::vector<double> read = numbers(key);
   if (read.size() != 9 || !(read[0] > 0.0)) {
-    fail(key, "must be a camera matrix [f 0 cx; 0 f cy; 0 0 1] with f above 0");
+    fail(key, "is not a camera matrix [f 0 cx; 0 f cy; 0 0 1] with f above 0");
   }
   return cv::Matx33d(read.data());
 }
 
 void KeyValueFile::fail(const std::string& key, const std::string& what) const {
-  throw Error("Cannot read " + path_ + ": key " + key + " " + what + ".");
+  throw Error("Cannot read " + path_ + ": key " + key + " " + what + ". Correct the file.");
 }
 
 }  // namespace cbmv

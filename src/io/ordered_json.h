@@ -91,7 +91,7 @@ class OrderedMap : public std::list<std::pair<const Key, Value>, Allocator> {
   static auto& valueIn(Map& map, const K& key) {
     const auto found = map.find(key);
     if (found == map.end()) {
-      throw std::out_of_range("no such key");
+      throw std::out_of_range("missing key");
     }
     return found->second;
   }

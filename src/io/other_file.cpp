@@ -27,8 +27,8 @@ void requireOtherFile(const std::string& input, const std::string& output) {
   const std::string parts = realPath(output) + ".part.";
   const bool is_part = realPath(input).compare(0, parts.size(), parts) == 0;
   if (isSameFile(input, output) || is_part) {
-    throw Error("the output " + output + " is the input " + input +
-                ", which would be lost. Choose another name for the output.");
+    throw Error("the output " + output + " would overwrite the input " + input +
+                ". Choose another name for the output.");
   }
 }
 

@@ -26,8 +26,9 @@ void requireTakesFiles(const fs::path& folder, const std::string& path) {
   std::string probe = (folder / ".cbmv_write_check_XXXXXX").string();
   const int file = mkstemp(probe.data());
   if (file < 0) {
-    fail(path, "the folder " + folder.string() + " takes no new files (" + systemError() + ")",
-         "Allow writing there or give another path.");
+    fail(path,
+         "no file can be created in the folder " + folder.string() + " (" + systemError() + ")",
+         "Correct its permissions or give another path.");
   }
   close(file);
   unlink(probe.c_str());
@@ -43,12 +44,12 @@ fs::path withoutEndSlash(const fs::path& path) {
 void requireWritableFile(const std::string& path) {
   std::error_code ignored;
   if (path.empty() || path.back() == '/' || fs::is_directory(path, ignored)) {
-    fail(path.empty() ? "to an empty path" : path, "a file is expected, not a folder",
+    fail(path.empty() ? "to an empty path" : path, "it is a folder, expected a file",
          "Give the path of a file.");
   }
   if (fs::exists(path, ignored) && access(path.c_str(), W_OK) != 0) {
-    fail(path, "the file exists and must not be written to (" + systemError() + ")",
-         "Allow writing or give another path.");
+    fail(path, "the file exists and is not writable (" + systemError() + ")",
+         "Correct its permissions or give another path.");
   }
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
     return;  // a device or pipe needs no folder
@@ -56,7 +57,7 @@ void requireWritableFile(const std::string& path) {
   const fs::path target = fs::weakly_canonical(path, ignored);  // the target of a link is replaced
   const fs::path folder = fs::absolute(target.empty() ? fs::path(path) : target).parent_path();
   if (!fs::is_directory(folder, ignored)) {
-    fail(path, "there is no folder " + folder.string(), "Make it or give another path.");
+    fail(path, "there is no folder " + folder.string(), "Create it or give another path.");
   }
   requireTakesFiles(folder, path);
 }
@@ -71,8 +72,7 @@ void requireWritableFolder(const std::string& path) {
     folder = folder.parent_path();
   }
   if (!fs::is_directory(folder, ignored)) {
-    fail(path, "a folder is expected, but " + folder.string() + " is none",
-         "Give the path of a folder.");
+    fail(path, folder.string() + " is not a folder", "Give the path of a folder.");
   }
   requireTakesFiles(folder, path);
 }

@@ -38,8 +38,9 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   std::array<char, 2> magic{};
   in.read(magic.data(), magic.size());
   if (!in || magic[0] != 'P' || magic[1] != 'f') {
-    throw Error("Cannot read " + path + ": it is not a gray portable float map, which begins " +
-                "with \"Pf\".");
+    throw Error(
+        "Cannot read " + path +
+        ": it is not a gray PFM file, expected a file that begins with \"Pf\". Convert it.");
   }
   long long width = 0;
   long long height = 0;
@@ -51,12 +52,14 @@ PfmHeader readHeader(std::ifstream& in, const std::string& path) {
   skipComments(in);
   in >> scale;
   if (!in || scale == 0.0) {
-    throw Error("Cannot read " + path + ": its header must hold width, height and a scale other " +
-                "than 0 after \"Pf\".");
+    throw Error("Cannot read " + path +
+                ": its header is invalid, expected width, height and a scale other than 0 after "
+                "\"Pf\". Write the file again.");
   }
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
-    throw Error("Cannot read " + path + ": its header says " + std::to_string(width) + "x" +
-                std::to_string(height) + " pixels, but sides must be 1 to 65535.");
+    throw Error("Cannot read " + path + ": its header has " + std::to_string(width) + "x" +
+                std::to_string(height) +
+                " pixels, expected sides from 1 to 65535. Write the file again.");
   }
   return {static_cast<int>(width), static_cast<int>(height), scale < 0.0};
 }
@@ -77,9 +80,9 @@ void checkFileSize(const std::string& path, const PfmHeader& header, std::uintma
   const std::uintmax_t expected = header_bytes + header.bytesOfValues();
   const std::uintmax_t actual = std::filesystem::file_size(path);
   if (actual != expected) {
-    throw Error("Cannot read " + path + ": it has " + std::to_string(actual) + " bytes, but a " +
-                std::to_string(header.width) + "x" + std::to_string(header.height) +
-                " map with its header has " + std::to_string(expected) + ".");
+    throw Error("Cannot read " + path + ": it has " + std::to_string(actual) + " bytes, expected " +
+                std::to_string(expected) + " for a " + std::to_string(header.width) + "x" +
+                std::to_string(header.height) + " map. Write or copy the file again.");
   }
 }
 
@@ -99,7 +102,7 @@ cv::Mat readPfm(const std::string& path) {
     }
   }
   if (!in) {
-    throw Error("Cannot read " + path + ": reading its values failed.");
+    throw Error("Cannot read " + path + ": its values cannot be read. Copy the file again.");
   }
   return map;
 }

@@ -70,7 +70,7 @@ Format findFormat(const std::string& path) {
     }
   }
   throw Error(
-      "Cannot read " + path + ": it is no camera calibration of a known format. Expected " +
+      "Cannot read " + path + ": it is not a camera calibration in a known format. Expected " +
       "Middlebury's calib.txt (with cam0, cam1), KITTI's calib_cam_to_cam.txt or P0 … P3, " +
       "a camera's YAML of ROS (with projection_matrix), or EuRoC's sensor.yaml (with T_BS).");
 }
@@ -111,7 +111,7 @@ template <std::size_t count>
 std::array<double, count> kittiNumbers(const KeyValueFile& file, const std::string& key) {
   const std::vector<double> numbers = file.numbers(key);
   if (numbers.size() != count) {
-    file.fail(key, "must hold " + std::to_string(count) + " numbers");
+    file.fail(key, "does not have " + std::to_string(count) + " numbers");
   }
   std::array<double, count> array{};
   std::copy(numbers.begin(), numbers.end(), array.begin());
@@ -167,7 +167,7 @@ EurocCamera readEurocCamera(const std::string& path) {
   const YamlFile file(path, "sensor.yaml of EuRoC, which has keys such as T_BS and intrinsics");
   const std::string projection = file.text("camera_model");
   if (!projection.empty() && projection != "pinhole") {
-    file.fail("camera_model", "is " + projection + ", it must be pinhole");
+    file.fail("camera_model", "is " + projection + ", expected pinhole");
   }
   EurocCamera read;
   const auto intrinsics = file.numbers<4>("intrinsics");  // fu, fv, cu, cv
@@ -208,11 +208,12 @@ StereoCameraFile readOneEach(const std::string& left_path, const std::string& ri
                              Format format) {
   if (right_path.empty()) {
     throw Error(left_path +
-                " describes the left camera alone. Give the file of the right one, too.");
+                " describes only the left camera, expected both cameras. Also give the file of the "
+                "right camera.");
   }
   if (findFormat(right_path) != format) {
-    throw Error(right_path + " is of another format than " + left_path +
-                ". Both cameras need files of one format.");
+    throw Error(right_path + " has another format than " + left_path +
+                ", expected the same format. Give two files of one calibration.");
   }
   if (format == Format::kEuroc) {
     return readEuroc(left_path, right_path);
@@ -232,8 +233,8 @@ StereoCameraFile readStereoCameras(const std::string& left_path, const std::stri
     return readOneEach(left_path, right_path, format);
   }
   if (!right_path.empty()) {
-    throw Error(left_path + " describes both cameras, so " + right_path +
-                " is too much. Leave out the file of the right camera.");
+    throw Error(left_path + " already describes both cameras, so " + right_path +
+                " is not needed. Leave out the file of the right camera.");
   }
   return format == Format::kMiddlebury ? readMiddlebury(path) : readKitti(path, format);
 }

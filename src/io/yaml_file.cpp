@@ -23,10 +23,12 @@ YamlFile::YamlFile(const std::string& path, const std::string& content) : path_(
   try {
     root_ = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw Error("Cannot read " + path + ": it is no YAML, " + error.what() + ".");
+    throw Error("Cannot read " + path + ": it is not valid YAML: " + error.what() +
+                ". Correct the file.");
   }
   if (!root_.IsMap()) {
-    throw Error("Cannot read " + path + ": it is no " + content + ".");
+    throw Error("Cannot read " + path + ": it is not a " + content +
+                ". Give the path of such a file.");
   }
 }
 
@@ -34,7 +36,7 @@ int YamlFile::wholeNumber(const char* key) const {
   try {
     return root_[key].as<int>();
   } catch (const YAML::Exception&) {
-    fail(key, "must be a whole number");
+    fail(key, "is not a whole number");
   }
 }
 
@@ -43,7 +45,7 @@ std::vector<double> YamlFile::numbers(const char* key) const {
     const YAML::Node node = root_[key];
     return (node.IsMap() ? node["data"] : node).as<std::vector<double>>();
   } catch (const YAML::Exception&) {
-    fail(key, "must hold a list of numbers");
+    fail(key, "is not a list of numbers");
   }
 }
 
@@ -51,12 +53,12 @@ int YamlFile::wholeNumberIn(const char* map, const char* key) const {
   try {
     return has(map) && root_[map][key].IsDefined() ? root_[map][key].as<int>() : 0;
   } catch (const YAML::Exception&) {
-    fail(map, std::string("must hold a whole number ") + key);
+    fail(map, std::string("has no whole number ") + key);
   }
 }
 
 void YamlFile::fail(const char* key, const std::string& what) const {
-  throw Error("Cannot read " + path_ + ": key " + key + " " + what + ".");
+  throw Error("Cannot read " + path_ + ": key " + key + " " + what + ". Correct the file.");
 }
 
 }  // namespace cbmv

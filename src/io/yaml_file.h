@@ -33,7 +33,7 @@ class YamlFile {
   std::array<double, count> numbers(const char* key) const {
     const std::vector<double> list = numbers(key);
     if (list.size() != count) {
-      fail(key, "must hold " + std::to_string(count) + " numbers");
+      fail(key, "does not have " + std::to_string(count) + " numbers");
     }
     std::array<double, count> array{};
     std::copy(list.begin(), list.end(), array.begin());

@@ -51,7 +51,7 @@ void describePairs(const FramePlan& plan, BagCheck& check) {
   check.problems.insert(check.problems.end(), problems.others.begin(), problems.others.end());
   if (plan.infos_of_other_stamps > 0) {
     check.text +=
-        format("  %zu of them have no camera_info of their stamp and take the last one before\n",
+        format("  %zu pairs have no camera_info with their stamp and use the last one before\n",
                plan.infos_of_other_stamps);
   }
 }
@@ -64,21 +64,21 @@ void describeCalibration(const PreparedPair& frame, const VerticalOffsetMeasurem
       format("calibration: focal length %.1f px, baseline %.4f m, images of %d x %d px\n",
              geometry.focal_length_px, geometry.baseline_m, frame.images.left.cols,
              frame.images.left.rows) +
-      format("  disparities to %d px reach from %.2f m on; 1 px at 10 m are %.2f m\n", range.max(),
-             depth_factor / std::max(1.0, range.max() - geometry.disparity_offset_px),
+      format("  disparities up to %d px: nearest depth %.2f m; 1 px at 10 m is %.2f m\n",
+             range.max(), depth_factor / std::max(1.0, range.max() - geometry.disparity_offset_px),
              100 / depth_factor);
   if (offset.model.matches == 0) {
-    check.text += "  rows: too few matches to tell whether they are aligned\n";
+    check.text += "  vertical offset: not measured, too few matches\n";
     return;
   }
   const double rms_px = offset.rms_before_px;
-  check.text += format("  rows: %.2f px apart (root mean square), by %d matches\n", rms_px,
-                       offset.model.matches);
+  check.text +=
+      format("  vertical offset: %.2f px (RMS of %d matches)\n", rms_px, offset.model.matches);
   if (rms_px > kLargeOffsetPx) {
-    check.problems.push_back(
-        format("the rows of the pair are %.2f px apart; it is corrected, but the calibration has "
-               "drifted or the images are not rectified",
-               rms_px));
+    check.problems.push_back(format(
+        "the vertical offset of the pair is %.2f px (RMS), expected at most %.1f px. It is "
+        "corrected, but depth may be wrong. Rectify the images or calibrate the cameras again",
+        rms_px, kLargeOffsetPx));
   }
 }
 
@@ -97,8 +97,8 @@ void describeCost(const FramePlan& plan, FrameProcessor& processor, const Prepar
   check.image_size = frame.images.left.size();
   const double all_s = check.matching_s * static_cast<double>(plan.frames.size());
   check.text += format(
-      "cost: %.1f ms of matching a frame (%.1f ms of processor), %.3g frames/s, about %.0f s for "
-      "all\n",
+      "cost: %.1f ms wall time per frame (%.1f ms CPU time), %.3g frames/s, about %.0f s in "
+      "total\n",
       1000 * check.matching_s, 1000 * check.processor_s, 1 / check.matching_s, std::ceil(all_s));
 }
 

@@ -148,7 +148,9 @@ BagReader::BagReader(const std::string& path) : path_(path), file_(path) {
   std::string begin(std::min<std::uint64_t>(kMagic.size(), file_.size()), '\0');
   file_.read(0, reinterpret_cast<std::uint8_t*>(begin.data()), begin.size());
   if (begin != kMagic) {
-    throw Error(path + " is no bag of version 2.0, which begins with '#ROSBAG V2.0'");
+    throw Error(path +
+                " is not a bag of version 2.0, expected a file that begins with '#ROSBAG V2.0'. "
+                "Give a ROS 1 bag of version 2.0");
   }
   walkFile();
   walkCompressedChunks();
@@ -166,8 +168,8 @@ void BagReader::walkFile() {
     if (record.op == rosbag::OP_FILE_HEADER) {
       if (!textField(record.fields, rosbag::ENCRYPTOR_FIELD_NAME).empty()) {
         throw Error(path_ +
-                    " is encrypted, expected a bag that is not. Decrypt it with `rosbag "
-                    "decrypt`, on a machine that has the key.");
+                    " is encrypted, expected a bag without encryption. Decrypt it with `rosbag "
+                    "decrypt` on a machine that has the key.");
       }
       indexed = numberField(record, rosbag::INDEX_POS_FIELD_NAME) != 0;
     } else if (record.op == rosbag::OP_CHUNK) {
@@ -192,7 +194,7 @@ void BagReader::walkFile() {
     addDamage("ends, or is unreadable, in the middle of a record at byte " + std::to_string(begin) +
               " of " + std::to_string(file_.size()));
   } else if (!indexed) {
-    addDamage("has no index, so its recording did not end properly");
+    addDamage("has no index, because the recording was interrupted");
   }
 }
 
@@ -222,7 +224,7 @@ void BagReader::walkRecords(const BytesAt& bytes, std::uint64_t begin, std::uint
     begin = record.end();
   }
   if (begin != end && findings.damage.empty()) {
-    findings.damage = "has a chunk that is damaged";
+    findings.damage = "has a damaged chunk";
   }
 }
 
@@ -252,7 +254,7 @@ void BagReader::collect(std::vector<Findings> findings) {
     for (BagEntry& entry : part.entries) {
       const auto index = indices.find(entry.connection);
       if (index == indices.end()) {
-        part.damage = "has messages whose connection is missing";
+        part.damage = "has messages without connection record";
         continue;
       }
       entry.connection = index->second;
@@ -267,22 +269,24 @@ void BagReader::collect(std::vector<Findings> findings) {
   });
 }
 
-void BagReader::addDamage(const std::string& sentence) {
+void BagReader::addDamage(const std::string& message) {
   if (damage_.empty()) {
-    damage_ = path_ + " " + sentence +
-              "; what can be read of it is used (`rosbag reindex` mends such bags)";
+    damage_ =
+        path_ + " " + message + ". The readable part is used. `rosbag reindex` can repair the bag";
   }
 }
 
 BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
   const bool lz4 = chunk.compression == rosbag::COMPRESSION_LZ4;
   if (!lz4 && chunk.compression != rosbag::COMPRESSION_BZ2) {
-    throw Error(path_ + " has a chunk of the unknown compression '" + chunk.compression + "'");
+    throw Error(path_ + " has a chunk with unknown compression '" + chunk.compression +
+                "', expected lz4 or bz2. Compress the bag again with `rosbag compress`");
   }
   if (chunk.size > kLargestChunk ||
       (lz4 && chunk.size > kLargestLz4Ratio * (std::uint64_t{chunk.packed_size} + 1))) {
     throw Error(path_ + " has a chunk of " + std::to_string(chunk.packed_size) +
-                " bytes that claims to unpack to " + std::to_string(chunk.size));
+                " bytes with an uncompressed size of " + std::to_string(chunk.size) +
+                " bytes, which is not possible. The bag is damaged; copy it again");
   }
   const std::shared_ptr<std::uint8_t> packed = newBytes(chunk.packed_size);
   file_.read(chunk.offset, packed.get(), chunk.packed_size);
@@ -292,7 +296,8 @@ BagReader::Bytes BagReader::unpack(const Chunk& chunk) const {
     unpacker.decompress(lz4 ? rosbag::compression::LZ4 : rosbag::compression::BZ2, bytes->data(),
                         chunk.size, packed.get(), chunk.packed_size);
   } catch (const rosbag::BagException& error) {
-    throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what());
+    throw Error(path_ + " has a chunk that cannot be unpacked: " + error.what() +
+                ". The bag is damaged; copy it again, or try `rosbag reindex`");
   }
   return bytes;
 }

@@ -77,7 +77,7 @@ class BagReader {
   void collect(std::vector<Findings> findings);
   Bytes unpack(const Chunk& chunk) const;
   Bytes unpacked(std::int32_t chunk) const;
-  void addDamage(const std::string& sentence);
+  void addDamage(const std::string& message);
 
   std::string path_;
   InputFile file_;

@@ -36,7 +36,7 @@ std::string BagSet::describeTopics() const {
   for (const auto& [topic, count] : counts) {
     text += "  " + topic.first + "  " + topic.second + "  " + std::to_string(count) + "\n";
   }
-  return text.empty() ? "  nothing\n" : text;
+  return text.empty() ? "  no messages\n" : text;
 }
 
 std::string BagSet::typeOf(const std::string& topic) const {
@@ -63,13 +63,13 @@ std::vector<std::string> BagSet::topics() const {
 }
 
 std::vector<std::string> BagSet::damages() const {
-  std::vector<std::string> sentences;
+  std::vector<std::string> messages;
   for (const auto& bag : bags_) {
     if (!bag->damage().empty()) {
-      sentences.push_back(bag->damage());
+      messages.push_back(bag->damage());
     }
   }
-  return sentences;
+  return messages;
 }
 
 std::string BagSet::names() const {

@@ -15,12 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error cannotWrite(const std::string& path, const std::string& reason) {
-  const int cause = errno;
-  return Error("cannot write " + path + ": " +
-               (cause != 0 ? std::strerror(cause) : reason.c_str()));
-}
-
 /// Calls body() and converts its exceptions to an Error with the file.
 template <typename Body>
 void nameFile(const std::string& path, const Body& body) {
@@ -28,11 +22,16 @@ void nameFile(const std::string& path, const Body& body) {
   try {
     body();
   } catch (const ros::Exception& error) {
-    throw cannotWrite(path, error.what());
+    throw cannotWrite(path, errno != 0 ? std::strerror(errno) : error.what());
   }
 }
 
 }  // namespace
+
+Error cannotWrite(const std::string& path, const std::string& reason) {
+  return Error("cannot write " + path + ": " + reason +
+               ". Check that the folder exists, is writable and has free space");
+}
 
 rosbag::CompressionType compressionOf(const std::string& name) {
   if (name == "none") {
@@ -44,8 +43,8 @@ rosbag::CompressionType compressionOf(const std::string& name) {
   if (name == "bz2") {
     return rosbag::compression::BZ2;
   }
-  throw Error("the compression '" + name +
-              "' is unknown, expected none, lz4 or bz2. Choose one of them");
+  throw Error("unknown compression '" + name +
+              "', expected none, lz4 or bz2. Correct --compression");
 }
 
 BagWriter::BagWriter(std::string path, rosbag::CompressionType compression)
@@ -84,7 +83,7 @@ void BagWriter::finish(const std::string& final_name) {
   std::error_code failure;
   fs::rename(written_path_, final_name, failure);
   if (failure) {
-    throw Error("cannot write " + final_name + ": " + failure.message());
+    throw cannotWrite(final_name, failure.message());
   }
   syncToDisk(fs::absolute(final_name).parent_path().string());
 }
@@ -92,12 +91,12 @@ void BagWriter::finish(const std::string& final_name) {
 void syncToDisk(const std::string& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
-    throw cannotWrite(path, "");
+    throw cannotWrite(path, std::strerror(errno));
   }
   const bool done = fsync(file) == 0;
   close(file);
   if (!done) {
-    throw cannotWrite(path, "");
+    throw cannotWrite(path, std::strerror(errno));
   }
 }
 

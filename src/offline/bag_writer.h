@@ -8,6 +8,8 @@
 
 #include "offline/raw_message.h"
 
+#include "cbmv_stereo/error.h"
+
 namespace cbmv {
 
 /// Parses a compression name: none, lz4, bz2. Throws Error for others.
@@ -34,6 +36,9 @@ class BagWriter {
   std::string written_path_;
   std::unique_ptr<rosbag::Bag> bag_;
 };
+
+/// The error for a file that cannot be written, with what to do.
+Error cannotWrite(const std::string& path, const std::string& reason);
 
 /// Syncs a file, or a folder's list of files, to disk. Throws Error.
 void syncToDisk(const std::string& path);

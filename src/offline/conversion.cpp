@@ -181,7 +181,7 @@ void requireFitting(const ConversionOptions& options) {
   const bool compressed = compression != rosbag::compression::Uncompressed;
   if (options.files && (options.copy || compressed || options.shard)) {
     const std::string option = options.copy ? "--copy" : compressed ? "--compression" : "--shard";
-    throw Error(option + " is of bags; leave it out, or write a bag");
+    throw Error(option + " works only with bag output. Leave it out, or use --format bag");
   }
 }
 
@@ -255,7 +255,8 @@ void finishOutput(const ConversionOptions& options, const BagSet& bags, const Fr
     // After resuming, the reasons for earlier failures are unknown.
     const auto& failures = summary.failures;
     summary.problems.push_back("all frames failed" +
-                               (failures.empty() ? "" : ": " + failures.begin()->first));
+                               (failures.empty() ? "" : ": " + failures.begin()->first) +
+                               ". Check the input with cbmv_bag check");
     segments.remove();
     return;
   } else {

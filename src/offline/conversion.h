@@ -24,7 +24,7 @@ struct ConversionOptions {
   std::vector<std::string> outputs = {"disparity"};  ///< see offlineOutputNames
   std::string compression = "none";
   bool copy = false;  ///< copy the other topics of the input
-  EarlierParts earlier = EarlierParts::kRefuse;
+  EarlierParts earlier = EarlierParts::kReject;
   std::size_t frames_per_part = 50;
   TopicChoice topics;
   PlanOptions plan;

@@ -46,15 +46,15 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
     }
     const char* const cause =
         before.rms_before_px > kRectifiedPx
-            ? "The calibration does not fit the images: R is of the other camera, inverted or of "
-              "another rig. Correct it, or calibrate the cameras."
+            ? "The calibration does not match the images: R is inverted or belongs to another "
+              "camera or rig. Correct R, or calibrate the cameras again."
             : "The images are probably rectified already; use --rectified yes.";
     std::array<char, 64> apart{};
-    std::snprintf(apart.data(), apart.size(),
-                  is_known ? "%.2f px apart" : "too far apart to measure", after.rms_before_px);
+    std::snprintf(apart.data(), apart.size(), is_known ? "%.2f px" : "too large to measure",
+                  after.rms_before_px);
     std::array<char, 400> text{};
     std::snprintf(text.data(), text.size(),
-                  ": the rows of the pair are %s after rectification, %.2f px before. %s",
+                  ": the vertical offset of the pair is %s after rectification, %.2f px before. %s",
                   apart.data(), before.rms_before_px, cause);
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
@@ -71,12 +71,12 @@ std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame
     }
     std::array<char, 300> text{};
     std::snprintf(text.data(), text.size(),
-                  ": the rows of the pair are %.2f px apart, expected at most %.2f px. They are "
+                  ": the vertical offset of the pair is %.2f px, expected at most %.2f px. It is "
                   "corrected, but depth is probably wrong. %s",
                   rows.rms_before_px, kRectifiedPx,
                   topics.left.raw
                       ? "Calibrate the cameras."
-                      : "Use --rectified no for raw images, else calibrate the cameras.");
+                      : "Use --rectified no for raw images, otherwise calibrate the cameras.");
     return topics.left.name + " and " + topics.right.name + text.data();
   } catch (const InputError&) {
     return {};  // reported when the frame itself is processed

@@ -55,7 +55,7 @@ void rename(const std::string& from, const std::string& to) {
   std::error_code failure;
   fs::rename(from, to, failure);
   if (failure) {
-    throw Error("cannot write " + to + ": " + failure.message());
+    throw cannotWrite(to, failure.message());
   }
 }
 

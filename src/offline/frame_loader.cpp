@@ -31,7 +31,9 @@ boost::shared_ptr<Message> readMessage(const BagMessage& message, const std::str
   try {
     return fromRawMessage<Message>(message.read());
   } catch (const ros::serialization::StreamOverrunException&) {
-    throw InputError(InputFault::kTruncatedImage, topic + " has a message that is cut off");
+    throw InputError(
+        InputFault::kTruncatedImage,
+        topic + " has a truncated message. The bag is damaged; record or copy it again");
   }
 }
 
@@ -91,9 +93,9 @@ const DistortionModel& findModel(const CameraCalibration& camera, const std::str
       return model;
     }
   }
-  failCalibration(names, "has the unknown distortion model " + quoted(camera.distortion_model) +
-                             ". Expected plumb_bob, rational_polynomial or equidistant. Name the "
-                             "model of these that the coefficients D are of.");
+  failCalibration(names, "has an unknown distortion model " + quoted(camera.distortion_model) +
+                             ". Expected plumb_bob, rational_polynomial or equidistant. Set "
+                             "distortion_model to the model of the coefficients D.");
 }
 
 void requireCoefficients(const CameraCalibration& camera, const DistortionModel& model,
@@ -103,8 +105,7 @@ void requireCoefficients(const CameraCalibration& camera, const DistortionModel&
   if (std::find(accepted.begin(), accepted.end(), count) == accepted.end()) {
     failCalibration(names, "has " + std::to_string(count) +
                                " distortion coefficients D of the model " + model.name +
-                               ", expected " + model.counts +
-                               ". Correct D, or name the model that it is of.");
+                               ", expected " + model.counts + ". Correct D or distortion_model.");
   }
 }
 
@@ -115,7 +116,7 @@ void requireUsableNumbers(const CameraCalibration& camera, const std::string& na
       std::ostringstream text;
       text << "has no usable calibration (" << entry << "[" << index << "] = " << value
            << "). Expected finite numbers, K[0] and K[4] above 0. Calibrate the camera, or use "
-              "--rectified yes for images that are rectified.";
+              "--rectified yes if the images are rectified.";
       failCalibration(names, text.str());
     }
   };
@@ -182,7 +183,8 @@ RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& top
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // thrown by OpenCV or image_geometry
-    failCalibration(names, std::string("cannot be used: ") + error.what());
+    failCalibration(names,
+                    std::string("cannot be used: ") + error.what() + ". Correct the calibration.");
   }
 }
 
@@ -214,9 +216,9 @@ sensor_msgs::ImagePtr decompressImage(const sensor_msgs::CompressedImage& messag
       pixels > kMaxImagePixels ? cv::Mat() : decodeImage(message.data, cv::IMREAD_UNCHANGED);
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has an image of the format '" + message.format +
+                     topic + " has an image with format '" + message.format +
                          "' that cannot be decoded, expected JPEG or PNG of at most " +
-                         std::to_string(kMaxImagePixels) + " pixels. Record it anew");
+                         std::to_string(kMaxImagePixels) + " pixels. Record it again");
   }
   return boost::make_shared<sensor_msgs::Image>(
       toMessage(image, encodingOf(image, message.format), message.header));

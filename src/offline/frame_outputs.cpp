@@ -44,9 +44,8 @@ OfflineOutput output(const char* topic, const char* extension, Make make) {
 sensor_msgs::Image depthSigmaOf(const Source& source) {
   if (source.result.disparity_sigma.empty()) {
     throw Error(
-        "depth_sigma is asked for, but the forest file has no second forest, which tells it. "
-        "Expected a file with both forests. Give one as --forest (cbmv_train writes such files), "
-        "or leave depth_sigma out of --write.");
+        "depth_sigma needs a forest file with a second forest, but the file has none. Use --forest "
+        "with a file written by cbmv_train, or remove depth_sigma from --write.");
   }
   return toDepthSigmaImage(source.result, source.geometry, source.header);
 }
@@ -108,7 +107,8 @@ FrameOutputs::FrameOutputs(const std::vector<std::string>& wanted, const CameraT
       for (const std::string& known : names) {
         list.append(known).append(", ");
       }
-      throw Error("there is no output '" + name + "'; there are " + list + "cloud (points2)");
+      throw Error("unknown output '" + name + "', expected some of " + list +
+                  "cloud (points2). Correct --write");
     }
     wanted_.push_back(static_cast<std::size_t>(found - names.begin()));
   }

@@ -75,7 +75,8 @@ StampedTopic readInfos(const BagSet& bags, const CameraTopics& topics, const std
   }
   StampedTopic infos(bags.onTopic(topic));
   if (infos.empty()) {
-    throw Error(bags.names() + ": no message on " + topic + ", so the calibration is unknown");
+    throw Error(bags.names() + ": no message on " + topic +
+                ", expected camera_info. Record it, or use --left-calibration");
   }
   return infos;
 }
@@ -169,19 +170,19 @@ std::string unpairedText(const FramePlan& plan) {
   if (plan.left_alone == 0) {
     return {};
   }
-  const std::string images = std::to_string(plan.left_alone) + " left images have no right one";
+  const std::string images = std::to_string(plan.left_alone) + " left images have no right image";
   if (!std::isfinite(plan.smallest_gap_s) || plan.smallest_gap_s <= 0) {
-    return images + ". Check that both cameras were recorded in that time.";
+    return images + ". Check that both cameras were recorded at the same time.";
   }
   std::array<char, 160> remedy{};
   if (plan.smallest_gap_s > kLargestSensibleGapS) {
     std::snprintf(remedy.data(), remedy.size(),
-                  " of their stamp; the nearest stamp is %.3g s away: the clocks of the cameras "
+                  " with equal stamp; the nearest stamp is %.3g s away: the clocks of the cameras "
                   "differ. Synchronize them.",
                   plan.smallest_gap_s);
   } else {
     std::snprintf(remedy.data(), remedy.size(),
-                  " of their stamp; the nearest is %.6f s away. Pair them with "
+                  " with equal stamp; the nearest is %.6f s away. Pair them with "
                   "--max-stamp-difference-s %.2g.",
                   plan.smallest_gap_s, 1.05 * plan.smallest_gap_s);
   }
@@ -210,18 +211,17 @@ PlanProblems findProblems(const FramePlan& plan) {
     problems.nothing_to_process =
         "no pair to process: " +
         (plan.left_images + plan.right_images == 0
-             ? "the part of the recording that was asked for has no images on " +
-                   plan.topics.left.name + " and " + plan.topics.right.name +
-                   ". Change --start and --duration."
-             : images + ". " + (unpaired.empty() ? "No left image has a right one." : unpaired));
+             ? "the selected part of the bag has no images on " + plan.topics.left.name + " and " +
+                   plan.topics.right.name + ". Change --start and --duration."
+             : images + ". " + (unpaired.empty() ? "No left image has a right image." : unpaired));
   } else if (!unpaired.empty()) {
     problems.others.push_back(unpaired);
   }
   if (plan.equal_stamps > 0) {
     problems.others.push_back(
         std::to_string(plan.equal_stamps) +
-        " pairs have the stamp of the pair before. They are paired in the order of the recording, "
-        "so a lost image may pair images of different times. Set header.stamp in the driver.");
+        " pairs have the same stamp as the previous pair. They are paired in recording order, so a "
+        "lost image can cause wrong pairs. Set header.stamp in the driver.");
   }
   return problems;
 }

@@ -26,7 +26,7 @@ class InputFile {
       failAndClose(std::strerror(errno));
     }
     if (!S_ISREG(status.st_mode)) {
-      failAndClose("it is no file that can be read in any order");
+      failAndClose("it is not a regular file. Give the path of a bag file");
     }
     size_ = static_cast<std::uint64_t>(status.st_size);
   }
@@ -45,8 +45,8 @@ class InputFile {
         throw Error("cannot read " + path_ + ": " + std::strerror(errno));
       }
       if (read_bytes == 0) {
-        throw Error(path_ + " has become shorter while it was read: there is no byte " +
-                    std::to_string(offset) + " any more");
+        throw Error(path_ + " was truncated while it was read: byte " + std::to_string(offset) +
+                    " no longer exists. Do not modify the file during processing");
       }
       if (read_bytes > 0) {
         bytes += read_bytes;

@@ -47,7 +47,7 @@ void writeText(const std::string& path, const std::string& text) {
   file << text;
   file.close();
   if (!file) {
-    throw Error("cannot write " + path + ": " + std::strerror(errno));
+    throw cannotWrite(path, std::strerror(errno));
   }
   syncToDisk(path);
 }
@@ -87,11 +87,12 @@ std::vector<Part> listParts(const std::string& output, std::vector<std::string>&
 LockFile::LockFile(const std::string& path, const std::string& purpose)
     : file_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   if (file_ < 0) {
-    throw Error("cannot write " + path + ": " + std::strerror(errno));
+    throw cannotWrite(path, std::strerror(errno));
   }
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
     close(file_);
-    throw Error(purpose + " is being written by another process");
+    throw Error(purpose +
+                " is being written by another process. Wait for it, or choose another output");
   }
 }
 
@@ -113,16 +114,17 @@ Segments::Segments(std::string output, const std::string& origin, EarlierParts e
                 " exists. Choose another name for the output, or use --overwrite to replace it");
   }
   if (!fs::is_directory(fs::absolute(output_).parent_path())) {
-    throw Error("cannot write " + output_ + ": its folder does not exist");
+    throw Error("cannot write " + output_ +
+                ": its folder does not exist. Create it or choose another output");
   }
   lock_ = std::make_unique<LockFile>(origin_path_, output_);
   const std::string known = readText(origin_path_);
-  if (!known.empty() && earlier == EarlierParts::kRefuse) {
-    throw Error(output_ + " was begun and not finished; --resume goes on, --overwrite begins anew");
+  if (!known.empty() && earlier == EarlierParts::kReject) {
+    throw Error(output_ + " is unfinished. Use --resume to continue or --overwrite to start again");
   }
   if (!known.empty() && !overwrite && known != origin) {
-    throw Error(output_ + " was begun from other input or with other options, see " + origin_path_ +
-                "; use the same ones, or --overwrite");
+    throw Error(output_ + " was started with other input or options (see " + origin_path_ +
+                "). Use the same ones, or --overwrite");
   }
   removeFiles(overwrite || known.empty());
   writeText(origin_path_, origin);
@@ -166,8 +168,8 @@ void Segments::requireSpace(const std::vector<RawMessage>& messages) {
   }
   if (free_space_(output_) < bytes) {
     closePart();
-    throw Error("the disk of " + output_ + " is full; " + std::to_string(done_) +
-                " frames are kept, free some space and go on by --resume");
+    throw Error("the disk of " + output_ + " is full. " + std::to_string(done_) +
+                " frames are kept. Free some space and use --resume");
   }
 }
 
@@ -223,7 +225,7 @@ void mergeBags(const std::vector<std::string>& parts, const std::vector<BagMessa
   for (const std::string& part : parts) {
     const BagReader reader(part);
     if (!reader.damage().empty()) {
-      throw Error(part + " is damaged and has to be made anew");
+      throw Error(part + " is damaged. Process its frames again with --overwrite");
     }
     for (const BagEntry& entry : reader.entries()) {
       if (reader.connections()[entry.connection]->topic != kShardTopic) {

@@ -13,7 +13,7 @@
 namespace cbmv {
 
 /// What to do with the parts of an earlier run.
-enum class EarlierParts { kRefuse, kResume, kOverwrite };
+enum class EarlierParts { kReject, kResume, kOverwrite };
 
 /// A file lock for one process at a time. The kernel releases it whenever the process ends.
 class LockFile {

@@ -74,13 +74,14 @@ void requireSameOrigin(const std::vector<LabeledShard>& shards) {
   for (const LabeledShard& other : shards) {
     if (other.label.origin != first.label.origin) {
       throw Error(first.path + " and " + other.path +
-                  " are of different recordings or settings, expected shards of one run. Give "
-                  "those of one run");
+                  " have different input bags or settings, expected shards of the same run. Give "
+                  "the shards of one run");
     }
     if (other.label.shard.count != first.label.shard.count) {
-      throw Error(first.path + " is " + describeShard(first.label.shard) + " and " + other.path +
-                  " is " + describeShard(other.label.shard) +
-                  ", so they overlap, expected shards of one number. Give those of one run");
+      throw Error(
+          first.path + " is " + describeShard(first.label.shard) + " and " + other.path + " is " +
+          describeShard(other.label.shard) +
+          ", which overlap, expected the same number of shards. Give the shards of one run");
     }
   }
 }
@@ -98,7 +99,8 @@ void requireEachOnce(const std::vector<LabeledShard>& shards) {
     if (number != expected) {
       throw Error(
           describeShard({expected, count}) + " is missing" +
-          (i > 0 ? ", frames from " + std::to_string(shards[i - 1].label.end) + " on" : ""));
+          (i > 0 ? " (frames from " + std::to_string(shards[i - 1].label.end) + " on)" : "") +
+          ". Process it, or give its bag");
     }
   }
 }
@@ -112,8 +114,8 @@ Shard parseShard(const std::string& text) {
     shard = {std::stoul(numbers[1]), std::stoul(numbers[2])};
   }
   if (shard.number < 1 || shard.number > shard.count || shard.count > kMostShards) {
-    throw Error("the shard '" + text + "' does not exist; 1/4, 2/4, 3/4 or 4/4, say, would be " +
-                "right, of at most " + std::to_string(kMostShards));
+    throw Error("--shard is '" + text + "', expected NUMBER/COUNT such as 2/4, with at most " +
+                std::to_string(kMostShards) + " shards. Correct --shard");
   }
   return shard;
 }
@@ -124,8 +126,8 @@ std::string describeShard(const Shard& shard) {
 
 void cutToShard(const Shard& shard, FramePlan& plan) {
   if (plan.frames.empty()) {
-    throw Error("there is no pair to process, so there are no shards; without --shard the output " +
-                std::string("would be an empty bag"));
+    throw Error(
+        "there is no pair to process, so there are no shards. Check --start and --duration");
   }
   if (shard.number > 1) {
     plan.first = boundAfter(shard.number - 1, shard.count, plan);
@@ -155,8 +157,9 @@ ShardLabel readShardLabel(const std::string& path) {
     const auto text =
         labels.size() == 1 ? labels.begin()->instantiate<std_msgs::String>() : nullptr;
     if (!text) {
-      throw Error(path + " is not the bag of a shard; one that was written with --shard would be " +
-                  "right");
+      throw Error(path +
+                  " is not the bag of a shard, expected a bag written with --shard. Give the bags "
+                  "of all shards");
     }
     const nlohmann::json json = nlohmann::json::parse(text->data);
     return {{json.at("shard"), json.at("shards")},
@@ -166,9 +169,11 @@ ShardLabel readShardLabel(const std::string& path) {
             json.at("damaged"),
             json.at("origin")};
   } catch (const ros::Exception& error) {
-    throw Error("cannot read " + path + ", which should be the bag of a shard: " + error.what());
+    throw Error("cannot read " + path + " as the bag of a shard: " + error.what() +
+                ". Process the shard again");
   } catch (const nlohmann::json::exception& error) {
-    throw Error(path + " is the bag of a shard of another version: " + error.what());
+    throw Error(path + " was written by another version of cbmv_bag: " + error.what() +
+                ". Process the shard again");
   }
 }
 

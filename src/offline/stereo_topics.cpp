@@ -51,11 +51,12 @@ void chooseRectification(const TopicChoice& choice, CameraTopics& topics) {
   topics.left.raw = topics.right.raw = !rectified;
   const std::string images = topics.left.name + " and " + topics.right.name;
   const std::string option = rectified ? "--rectified yes" : "--rectified no";
-  const std::string other =
-      rectified ? "--rectified no rectifies them first" : "--rectified yes takes them as they are";
+  const std::string other = rectified ? "to rectify them first, use --rectified no"
+                                      : "to use them as they are, use --rectified yes";
   topics.rectification =
-      images + (rectified ? " are taken as rectified: " : " are raw and rectified first: ") +
-      (by_name ? std::string(rectified ? "their names hold" : "not both names hold") +
+      images +
+      (rectified ? " are treated as rectified: " : " are treated as raw and rectified first: ") +
+      (by_name ? std::string(rectified ? "their names contain" : "not both names contain") +
                      " \"rect\" (" + other + ")"
                : option);
 }
@@ -95,7 +96,7 @@ std::vector<std::string> stereoNamespaces(const BagSet& bags) {
 }
 
 Error noTopics(const BagSet& bags, const std::string& problem) {
-  return Error(bags.names() + ": " + problem + "; there is:\n" + bags.describeTopics());
+  return Error(bags.names() + ": " + problem + ". The bag contains:\n" + bags.describeTopics());
 }
 
 std::string withoutSlash(std::string name) {
@@ -116,7 +117,8 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
                                                         resolved(choice.right)};
     for (const std::string& topic : {images.first, images.second}) {
       if (topic.empty()) {
-        throw Error("--left and --right go together: name both topics or none");
+        throw Error(
+            "only one of --left and --right is given, expected both or none. Add the other one");
       }
       if (!isImage(bags, topic)) {
         throw noTopics(bags, "there are no images on " + topic);
@@ -124,7 +126,7 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
     }
     if (images.first == images.second) {
       throw Error("--left and --right are both " + images.first +
-                  ", expected the topics of two cameras. Name the other one.");
+                  ", expected the topics of two cameras. Correct one of them.");
     }
     return images;
   }
@@ -140,14 +142,15 @@ std::pair<std::string, std::string> chooseImages(const BagSet& bags, const Topic
   if (names.empty()) {
     throw noTopics(bags,
                    "no stereo pair (left/image_rect and right/image_rect, image_rect_color or "
-                   "image_raw, or the same /compressed); name its topics by --left and --right");
+                   "image_raw, or the same /compressed); give its topics with --left and --right");
   }
   if (names.size() > 1) {
     std::string list;
     for (const std::string& name : names) {
       list += " " + (name.empty() ? "/" : name);
     }
-    throw Error(bags.names() + ": more than one stereo camera, choose one by --namespace:" + list);
+    throw Error(bags.names() +
+                ": more than one stereo camera, expected one. Choose one with --namespace:" + list);
   }
   return imagesIn(bags, names.front());
 }
@@ -156,7 +159,7 @@ std::string findInfo(const BagSet& bags, const ImageTopic& image) {
   std::string topic = cameraOf(image) + "/camera_info";
   if (bags.typeOf(topic) != "sensor_msgs/CameraInfo") {
     throw noTopics(bags, "no calibration for " + image.name + ": " + topic +
-                             " is missing. Give files by --left-calibration and "
+                             " is missing. Give files with --left-calibration and "
                              "--right-calibration");
   }
   return topic;
@@ -183,7 +186,8 @@ void takeCalibrations(const TopicChoice& choice, CameraTopics& topics) {
       readStereoCameras(choice.left_calibration, choice.right_calibration);
   if (file.rectified && topics.left.raw) {
     throw Error(choice.left_calibration + " (" + file.description +
-                ") describes rectified images, but " + topics.rectification + ".");
+                ") describes rectified images, but " + topics.rectification +
+                ". Give the calibration of the raw images, or use --rectified yes.");
   }
   topics.cameras = file.cameras;
   topics.left_info = choice.left_calibration;

@@ -56,15 +56,15 @@ std::string describeSummary(const ConversionSummary& summary) {
   if (summary.processed > 0) {
     text += "; " + number(framesPerSecond(summary)) + " frames/s, " +
             number(1000 * perFrame(summary.matching_seconds, summary.processed)) +
-            " ms of matching a frame, " + std::to_string(summary.threads) + " threads";
+            " ms wall time per frame, " + std::to_string(summary.threads) + " threads";
   }
   text += "\n";
   text += "  " + plan.topics.rectification + "\n";
   text += count(plan.left_alone, "left images have no partner on " + plan.topics.right.name);
   text += count(plan.right_alone, "right images have no partner on " + plan.topics.left.name);
-  text += count(plan.repeated_stamps, "images have the stamp of others and no partner");
+  text += count(plan.repeated_stamps, "images have a repeated stamp and no partner");
   text += count(plan.infos_of_other_stamps,
-                "frames have no camera_info of their stamp and took the last one before");
+                "frames have no camera_info with their stamp and use the last one before");
   for (const auto& [reason, frames] : summary.failures) {
     text += "    " + std::to_string(frames) + " times: " + reason + "\n";
   }

@@ -34,9 +34,9 @@ DisparityRange clipRange(const DisparityRange& range, int image_width) {
   const int highest = std::min(range.max(), image_width - 1);
   if (lowest > highest) {
     throw InputError(InputFault::kDisparityRange,
-                     "the disparities " + describeRange(range) + " lie outside of images " +
-                         std::to_string(image_width) +
-                         " px wide; min_disparity and disparity_range have to leave some inside");
+                     "the disparity range " + describeRange(range) +
+                         " is outside the images, which are " + std::to_string(image_width) +
+                         " px wide. Change min_disparity or disparity_range");
   }
   return {lowest, highest - lowest + 1};
 }
@@ -172,8 +172,8 @@ void FrameProcessor::setOptionsFor(cv::Size image_size, const StereoOptions& wan
   if (options.range.count != wanted.range.count) {
     range_correction_ = "disparity_range is " + std::to_string(wanted.range.count) +
                         ", but the images on " + image_name + " are only " +
-                        std::to_string(image_size.width) + " px wide: the disparities " +
-                        describeRange(options.range) + " are used";
+                        std::to_string(image_size.width) + " px wide. The range " +
+                        describeRange(options.range) + " is used. Lower disparity_range";
   }
   matcher_.setOptions(options);
   adapted_size_ = image_size;

@@ -37,7 +37,7 @@ struct ProcessedFrame {
   double disparity_step_px = 0;     ///< see disparityStep
   RectificationState rectification;
   std::vector<std::string> warnings;  ///< about input and calibration
-  /// One sentence if the requested range was clipped, otherwise empty.
+  /// One message if the requested range was clipped, otherwise empty.
   std::string range_correction;
 };
 

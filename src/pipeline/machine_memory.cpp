@@ -45,7 +45,7 @@ std::string memoryErrorText(double required_mb, const std::string& what, const s
     return {};
   }
   return what + " need " + wholeMb(required_mb) + ", but the machine has " + wholeMb(machine_mb) +
-         "; " + remedy;
+         ". " + remedy;
 }
 
 }  // namespace
@@ -84,23 +84,23 @@ std::string machineMemoryError(const cv::Size& image_size, const StereoOptions& 
                          "images of " + std::to_string(image_size.width) + "x" +
                              std::to_string(image_size.height) + " pixels with " +
                              std::to_string(options.range.count) + " disparities",
-                         "lower disparity_range or take smaller images", machine_mb);
+                         "Lower disparity_range or use smaller images", machine_mb);
 }
 
 void requireMemory(const cv::Size& image_size, const StereoOptions& options) {
-  for (const std::string& sentence :
+  for (const std::string& message :
        {memoryError(image_size, options), machineMemoryError(image_size, options)}) {
-    if (!sentence.empty()) {
-      throw Error(sentence);
+    if (!message.empty()) {
+      throw Error(message);
     }
   }
 }
 
 void requireMachineMemory(double required_mb, const std::string& what, const std::string& remedy,
                           double machine_mb) {
-  const std::string sentence = memoryErrorText(required_mb, what, remedy, machine_mb);
-  if (!sentence.empty()) {
-    throw Error(sentence);
+  const std::string message = memoryErrorText(required_mb, what, remedy, machine_mb);
+  if (!message.empty()) {
+    throw Error(message);
   }
 }
 
@@ -108,9 +108,9 @@ std::string describeFailure(const std::exception& error) {
   const auto* const of_opencv = dynamic_cast<const cv::Exception*>(&error);
   const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
                          (of_opencv != nullptr && of_opencv->code == cv::Error::StsNoMem);
-  return no_memory ? "there is not enough memory; the machine has " + wholeMb(machineMemoryMb()) +
-                         ", which other programs use, too. Take smaller images, fewer disparities "
-                         "or fewer threads"
+  return no_memory ? "not enough memory: the machine has " + wholeMb(machineMemoryMb()) +
+                         ", shared with other programs. Use smaller images, fewer disparities or "
+                         "fewer threads"
                    : error.what();
 }
 

@@ -21,7 +21,7 @@ double groupLimitBytes(std::istream& groups, const std::filesystem::path& mount)
 /// its control groups if that is lower.
 double machineMemoryMb();
 
-/// Returns one sentence, with both numbers in MB and what to do, if a StereoMatcher needs more
+/// Returns one message, with both numbers in MB and what to do, if a StereoMatcher needs more
 /// memory for images of this size (requiredMemoryMb) than the machine has. Empty otherwise.
 std::string machineMemoryError(const cv::Size& image_size, const StereoOptions& options,
                                double machine_mb = machineMemoryMb());
@@ -35,7 +35,7 @@ void requireMemory(const cv::Size& image_size, const StereoOptions& options);
 void requireMachineMemory(double required_mb, const std::string& what, const std::string& remedy,
                           double machine_mb = machineMemoryMb());
 
-/// Describes an exception for users: its text, or a sentence for failed allocations
+/// Describes an exception for users: its text, or a message for failed allocations
 /// (std::bad_alloc, and OpenCV's exception for it).
 std::string describeFailure(const std::exception& error);
 

@@ -172,7 +172,7 @@ std::string memoryErrorOf(double required_mb, const cv::Size& image_size,
          " pixels with " + std::to_string(options.range.count) + " disparities need " +
          std::to_string(std::lround(std::ceil(required_mb))) + " MB, but max_memory_mb allows " +
          std::to_string(options.max_memory_mb) +
-         "; lower disparity_range, take smaller images or raise max_memory_mb";
+         ". Lower disparity_range, use smaller images or increase max_memory_mb";
 }
 
 }  // namespace

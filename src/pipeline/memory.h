@@ -47,7 +47,7 @@ std::vector<double> expectedHypotheses(const cv::Size& image_size, const StereoO
 double searchMemoryMb(const cv::Size& image_size, const StereoOptions& options,
                       const std::vector<double>& hypotheses);
 
-/// Returns one sentence, with both numbers and what to do, if requiredMemoryMb exceeds
+/// Returns one message, with both numbers and what to do, if requiredMemoryMb exceeds
 /// options.max_memory_mb. Empty if it does not, or if there is no limit.
 std::string memoryError(const cv::Size& image_size, const StereoOptions& options);
 

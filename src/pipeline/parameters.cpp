@@ -44,7 +44,7 @@ void requireFits(const Parameter& parameter, const ParameterValue& value) {
   const bool promoted =
       std::holds_alternative<int>(value) && std::holds_alternative<double>(parameter.default_value);
   if (value.index() != parameter.default_value.index() && !promoted) {
-    throw Error(parameter.name + " is " + valueText(value) + ", it must be " +
+    throw Error(parameter.name + " is " + valueText(value) + ", expected " +
                 typeName(parameter.default_value));
   }
   // Options are stored as float. A value that equals a limit must stay valid after conversion to
@@ -53,8 +53,8 @@ void requireFits(const Parameter& parameter, const ParameterValue& value) {
   if (!std::holds_alternative<bool>(value) && !(number >= static_cast<float>(parameter.lowest) &&
                                                 number <= static_cast<float>(parameter.highest))) {
     std::ostringstream text;
-    text << parameter.name << " is " << number << ", it must be in [" << parameter.lowest << ", "
-         << parameter.highest << "]";
+    text << parameter.name << " is " << number << ", expected a value in [" << parameter.lowest
+         << ", " << parameter.highest << "]";
     throw Error(text.str());
   }
 }
@@ -241,11 +241,12 @@ ParameterValue valueFromYaml(const Parameter& parameter, const YAML::Node& node)
 void requirePresetFile(const std::string& path) {
   std::error_code ignored;  // files that cannot be opened are reported when they are read
   if (std::filesystem::is_directory(path, ignored)) {
-    throw Error("is a folder, expected a YAML file; give the path of one");
+    throw Error("is a folder, expected a YAML file. Give the path of a preset");
   }
   if (std::filesystem::is_regular_file(path, ignored) &&
       std::filesystem::file_size(path, ignored) > kLargestPreset) {
-    throw Error("is larger than " + std::to_string(kLargestPreset) + " bytes, so it is no preset");
+    throw Error("has more than " + std::to_string(kLargestPreset) +
+                " bytes, expected a preset. Give the path of a preset");
   }
 }
 
@@ -269,7 +270,7 @@ Parameter findParameter(const std::string& name) {
       return parameter;
     }
   }
-  throw Error("there is no parameter " + name);
+  throw Error("there is no parameter " + name + ". docs/parameters.md lists the names");
 }
 
 std::string describeOptions(const StereoOptions& options) {
@@ -282,29 +283,30 @@ std::string describeOptions(const StereoOptions& options) {
 }
 
 std::vector<std::string> correctOptions(StereoOptions& options) {
-  std::vector<std::string> mends;
+  std::vector<std::string> corrections;
   SgmOptions& sgm = options.sgm;
   if (sgm.p1 > sgm.p2) {
-    mends.push_back("P1 (" + valueText(sgm.p1) + ") was lowered to P2 (" + valueText(sgm.p2) +
-                    "): a small disparity step cannot cost more than a large one");
+    corrections.push_back(
+        "P1 (" + valueText(sgm.p1) + ") was lowered to P2 (" + valueText(sgm.p2) +
+        "): the penalty of a small disparity step must not exceed that of a large one");
     sgm.p1 = sgm.p2;
   }
   if (sgmCostBound(sgm) > kLargestSgmCost) {
     const int whole_highest = (kLargestSgmCost - 255) / 255 / sgm.iterations;
     const auto highest = static_cast<float>(whole_highest);
-    mends.push_back("P2 (" + valueText(sgm.p2) + ") was lowered to " + valueText(highest) +
-                    ": the sums of " + valueText(sgm.iterations) +
-                    " runs of semi-global matching must fit 16 bits");
+    corrections.push_back("P2 (" + valueText(sgm.p2) + ") was lowered to " + valueText(highest) +
+                          ": the cost sums of " + valueText(sgm.iterations) +
+                          " iterations of semi-global matching must fit into 16 bits");
     sgm.p2 = highest;
     sgm.p1 = std::min(sgm.p1, sgm.p2);
   }
   int& median = options.refinement.median_size_px;
   if (median % 2 == 0) {
-    mends.push_back("median_size (" + valueText(median) + ") was lowered to " +
-                    valueText(median - 1) + ": the window must be odd");
+    corrections.push_back("median_size (" + valueText(median) + ") was lowered to " +
+                          valueText(median - 1) + ": the window must be odd");
     --median;
   }
-  return mends;
+  return corrections;
 }
 
 void readPreset(const std::string& path, StereoOptions& options) {
@@ -312,7 +314,7 @@ void readPreset(const std::string& path, StereoOptions& options) {
     requirePresetFile(path);
     const YAML::Node preset = YAML::LoadFile(path);
     if (!preset.IsMap()) {
-      throw Error("is not a map from parameter names to values");
+      throw Error("is not a map, expected lines NAME: VALUE. Correct the file");
     }
     StereoOptions read = options;
     for (const auto& entry : preset) {
@@ -321,14 +323,16 @@ void readPreset(const std::string& path, StereoOptions& options) {
       try {
         parameter.set(read, valueFromYaml(parameter, entry.second));
       } catch (const YAML::Exception&) {
-        throw Error(name + " must be " + typeName(parameter.default_value));
+        throw Error(name + " has a value of the wrong type, expected " +
+                    typeName(parameter.default_value));
       }
     }
     options = read;
   } catch (const YAML::BadFile&) {
-    throw Error("preset " + path + ": cannot be opened; give the path of a YAML file");
+    throw Error("preset " + path +
+                ": cannot be opened, expected a YAML file. Check the path and its permissions");
   } catch (const YAML::Exception& error) {
-    throw Error("preset " + path + ": is not valid YAML: " + error.what());
+    throw Error("preset " + path + ": is not valid YAML: " + error.what() + ". Correct the file");
   } catch (const Error& error) {
     throw Error("preset " + path + ": " + error.what());
   }

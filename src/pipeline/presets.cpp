@@ -19,7 +19,7 @@ struct NamedFiles {
 };
 
 constexpr NamedFiles kPresets = {"preset", ".yaml", "the path of a YAML file"};
-constexpr NamedFiles kForests = {"forest", ".forest", "the path of a forest"};
+constexpr NamedFiles kForests = {"forest", ".forest", "the path of a forest file"};
 
 std::string namesIn(const std::string& folder, const std::string& ending) {
   std::set<std::string> names;
@@ -48,8 +48,8 @@ std::string pathOf(const NamedFiles& files, const std::string& given, const std:
   if (fs::is_regular_file(given, ignored)) {
     return given;
   }
-  throw Error(std::string("there is no ") + files.what + " '" + given + "'; there are " +
-              namesIn(folder, files.ending) + ", or give " + files.path);
+  throw Error(std::string("unknown ") + files.what + " '" + given + "', expected a name (" +
+              namesIn(folder, files.ending) + ") or " + files.path);
 }
 
 }  // namespace

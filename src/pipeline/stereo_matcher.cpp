@@ -28,25 +28,28 @@ namespace {
 
 void requireConsistent(const StereoOptions& options) {
   StereoOptions corrected = options;
-  const std::vector<std::string> mends = correctOptions(corrected);
-  if (!mends.empty()) {
-    throw Error("options: " + mends.front());
+  const std::vector<std::string> corrections = correctOptions(corrected);
+  if (!corrections.empty()) {
+    throw Error("options: " + corrections.front());
   }
 }
 
 void requirePair(const cv::Mat& left, const cv::Mat& right) {
   if (left.empty() || right.empty()) {
-    throw Error(std::string("the ") + (left.empty() ? "left" : "right") + " image is empty");
+    throw Error(std::string("the ") + (left.empty() ? "left" : "right") +
+                " image is empty, expected at least 1x1 pixels. Check the input");
   }
   if (left.type() != CV_8UC1 || right.type() != CV_8UC1) {
-    throw Error("the images must be gray with 8 bits a pixel");
+    throw Error("the images have the types " + cv::typeToString(left.type()) + " and " +
+                cv::typeToString(right.type()) +
+                ", expected gray with 8 bits per pixel (CV_8UC1). Convert them");
   }
   if (left.size() != right.size()) {
     const auto text = [](const cv::Size& size) {
       return std::to_string(size.width) + "x" + std::to_string(size.height);
     };
-    throw Error("the left image has " + text(left.size()) + " pixels, the right one " +
-                text(right.size()) + "; a rectified pair has one size");
+    throw Error("the left image has " + text(left.size()) + " pixels, the right image " +
+                text(right.size()) + ", expected equal sizes. Use a rectified pair");
   }
 }
 

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   nodelet::Loader loader(false);
   if (!loader.load(ros::this_node::getName(), "cbmv_stereo/stereo", ros::names::getRemappings(),
                    {argv + 1, argv + argc})) {
-    std::cerr << "cbmv_stereo_node: the nodelet cbmv_stereo/stereo did not come up, see above\n";
+    std::cerr
+        << "cbmv_stereo_node: the nodelet cbmv_stereo/stereo did not start. See the error above\n";
     return 1;
   }
   ros::spin();

@@ -15,9 +15,11 @@ inline CloudOptions readCloudOptions(const PrivateParameters& parameters) {
   options.max_depth_m = parameters.get<double>("points_max_depth_m");
   options.compact = parameters.get<bool>("points_compact");
   if (options.max_depth_m != 0 && options.max_depth_m <= options.min_depth_m) {
-    throw Error(parameters.nodeHandle().resolveName("points_max_depth_m") +
-                " is not more than points_min_depth_m, so no point would be left, expected a "
-                "larger one. Raise it, or set 0 for no limit");
+    throw Error(
+        parameters.nodeHandle().resolveName("points_max_depth_m") + " is " +
+        numberText(options.max_depth_m) + ", expected more than points_min_depth_m (" +
+        numberText(options.min_depth_m) +
+        "): the cloud would be empty. Increase points_max_depth_m, or set it to 0 for no limit");
   }
   return options;
 }

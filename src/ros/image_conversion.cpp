@@ -55,29 +55,31 @@ std::size_t bytesPerPixel(const sensor_msgs::Image& message, const std::string& 
   } catch (const std::runtime_error&) {
     throw InputError(
         InputFault::kUnsupportedEncoding,
-        topic + " has the unknown encoding " + quoted(message.encoding) + ". " + kKnownEncodings);
+        topic + " has an unknown encoding " + quoted(message.encoding) + ". " + kKnownEncodings);
   }
 }
 
 void checkImage(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.width == 0 || message.height == 0) {
     throw InputError(InputFault::kEmptyImage,
-                     topic + " is an empty image (" + sizeText(imageSize(message)) + ")");
+                     topic + " has an empty image (" + sizeText(imageSize(message)) +
+                         "), expected at least 1 x 1 px. Check the driver");
   }
   const std::size_t row_bytes = bytesPerPixel(message, topic) * message.width;
   if (message.step < row_bytes) {
     throw InputError(InputFault::kTruncatedImage,
                      topic + " has a step of " + std::to_string(message.step) +
-                         " bytes, a row of " + std::to_string(message.width) + " px " +
-                         quoted(message.encoding) + " needs " + std::to_string(row_bytes));
+                         " bytes, expected at least " + std::to_string(row_bytes) +
+                         " for a row of " + std::to_string(message.width) + " px with encoding " +
+                         quoted(message.encoding) + ". Correct step or encoding in the driver");
   }
   const std::size_t image_bytes = static_cast<std::size_t>(message.step) * message.height;
   if (message.data.size() != image_bytes) {
-    throw InputError(InputFault::kTruncatedImage, topic + " holds " +
-                                                      std::to_string(message.data.size()) +
-                                                      " bytes, " + std::to_string(message.height) +
-                                                      " rows of " + std::to_string(message.step) +
-                                                      " bytes are " + std::to_string(image_bytes));
+    throw InputError(
+        InputFault::kTruncatedImage,
+        topic + " has " + std::to_string(message.data.size()) + " bytes of data, expected " +
+            std::to_string(image_bytes) + " (" + std::to_string(message.height) + " rows of " +
+            std::to_string(message.step) + " bytes). Correct height, step or data in the driver");
   }
 }
 
@@ -150,7 +152,7 @@ void checkFrameIds(const StereoMessages& messages, const std::string& both) {
   const std::string& right = messages.right_image->header.frame_id;
   if (left != right) {
     throw InputError(InputFault::kDifferentFrameIds,
-                     both + " differ in frame_id (" + quoted(left) + " and " + quoted(right) +
+                     both + " have different frame_ids (" + quoted(left) + " and " + quoted(right) +
                          "), expected equal ones. Correct them in the driver, or set the parameter "
                          "allow_different_frame_ids to true");
   }
@@ -185,12 +187,12 @@ cv::Mat decodeImage(const sensor_msgs::Image& message, const boost::shared_ptr<c
   } catch (const cv_bridge::Exception&) {
     throw InputError(InputFault::kUnsupportedEncoding,
                      topic + " has the encoding " + quoted(message.encoding) +
-                         ", which is not one of camera images. " + kKnownEncodings);
+                         ", which is not an encoding of camera images. " + kKnownEncodings);
   } catch (const std::exception& error) {  // thrown by OpenCV
     throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " of the encoding " + quoted(message.encoding) +
+                     topic + " with encoding " + quoted(message.encoding) +
                          " cannot be converted to " + (color ? "color" : "gray") + ": " +
-                         error.what());
+                         error.what() + ". " + kKnownEncodings);
   }
 }
 
@@ -199,7 +201,7 @@ std::string encodingWarning(const std::string& encoding, const std::string& topi
     return {};
   }
   return topic + " has the encoding " + quoted(encoding) +
-         ", which does not tell the order of colors; blue, green, red is assumed. Set bgr8 or rgb8 "
+         ", which does not define the color order. BGR is assumed. Set the encoding bgr8 or rgb8 "
          "in the driver.";
 }
 
@@ -228,9 +230,11 @@ StereoInput toStereoInput(const StereoMessages& messages, const StereoTopics& to
 cv::Mat toColor(const sensor_msgs::Image& message, const std::string& topic, cv::Size size) {
   const cv::Mat color = decodeImage(message, nullptr, true, topic);
   if (imageSize(message) != size) {
-    throw InputError(InputFault::kDifferentSizes, topic + " has " + sizeText(imageSize(message)) +
-                                                      ", the rectified pair " + sizeText(size) +
-                                                      "; they have to be the same");
+    throw InputError(InputFault::kDifferentSizes,
+                     topic + " has " + sizeText(imageSize(message)) + ", expected " +
+                         sizeText(size) +
+                         ", the size of the rectified pair. Use the color image of the same camera "
+                         "and resolution");
   }
   return toColor8(color).clone();
 }
@@ -252,9 +256,10 @@ cv::Mat toCloudColor(const sensor_msgs::ImageConstPtr& image, const std::string&
 
 cv::Mat toFloats(const sensor_msgs::Image& message, const std::string& topic) {
   if (message.encoding != encodings::TYPE_32FC1) {
-    throw InputError(InputFault::kUnsupportedEncoding,
-                     topic + " has the encoding " + quoted(message.encoding) +
-                         ", expected 32FC1. Connect a topic of disparities or depth in m");
+    throw InputError(
+        InputFault::kUnsupportedEncoding,
+        topic + " has the encoding " + quoted(message.encoding) +
+            ", expected 32FC1. Remap the input to a topic of disparities or of depth in meters");
   }
   checkImage(message, topic);
   if (message.is_bigendian != 0) {

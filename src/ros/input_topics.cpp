@@ -29,9 +29,9 @@ void requireDifferentTopics(const TopicNames& names) {
   for (std::size_t i = 0; i < kInputs; ++i) {
     for (std::size_t j = i + 1; j < kInputs; ++j) {
       if (names[i] == names[j]) {
-        throw Error("two inputs are the same topic, " + names[i] +
-                    "; left and right need topics of their own. Check the remaps, and the "
-                    "arguments of the launch file that name topics");
+        throw Error("two inputs have the same topic " + names[i] +
+                    ", expected different topics. Check the remaps and the topic arguments of the "
+                    "launch file");
       }
     }
   }

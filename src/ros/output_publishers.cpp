@@ -105,7 +105,8 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
           depthSigmaOf),
       output("depth_raw", "16UC1, Z in millimeters; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
-      output("camera_info", "Of `depth`, `depth_sigma` and `depth_raw`: the rectified left camera",
+      output("camera_info",
+             "Calibration of `depth`, `depth_sigma` and `depth_raw` (rectified left camera)",
              [](const Frame& f) {
                return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
              }),
@@ -116,19 +117,19 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
       output("valid_mask", "mono8: 255 where there is a disparity, 0 where there is none",
              [](const Frame& f) { return toValidMask(f.result(), f.header); }),
       output("disparity_color",
-             "rgb8 for viewers: from blue, at the lowest disparity of the range, to red; black "
-             "where there is none",
+             "rgb8 for viewers: blue is the lowest disparity of the range, red the highest, black "
+             "none",
              [](const Frame& f) { return toDisparityColorImage(f.result(), f.header); }),
       // After the images, because it may wait for the color image.
-      output("points2", "Organized cloud in meters, colored; NaN where there is no point",
+      output("points2", "Organized cloud in meters, with color; NaN where there is no point",
              [cloud_options](const Frame& f) { return cloudOf(f, cloud_options); }),
       output("status",
              "Time of each stage and age of the frame in milliseconds, frames processed and "
              "dropped, vertical offset in pixels",
              [](const Frame& f) { return toStatus(f.result(), f.state(), f.header); }),
       output("rectification",
-             "Vertical offset between the images as measured, in pixels, with standard errors, "
-             "and what correcting it is worth",
+             "Measured residual vertical offset in pixels, with standard errors, before and after "
+             "the rectification correction",
              [](const Frame& f) {
                return toRectification(f.processed.rectification, f.result(), f.header);
              }),

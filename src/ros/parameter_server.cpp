@@ -48,7 +48,7 @@ void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter,
         });
         if (entry == list.end()) {
           throw Error("cfg/Stereo.cfg has no parameter '" + parameter.name +
-                      "' of the type that the table of parameters gives it");
+                      "' with the type of the parameter table. Add it or correct its type");
         }
         use(*entry, value);
       },
@@ -98,7 +98,7 @@ void writeConfig(const StereoOptions& options, cbmv_stereo::StereoConfig& config
 
 float minConfidence(const cbmv_stereo::StereoConfig& config) {
   if (std::isnan(config.min_confidence)) {
-    throw Error("min_confidence is not a number, expected one from 0 to 1. Set it again");
+    throw Error("min_confidence is not a number, expected 0 to 1. Set a valid value");
   }
   return static_cast<float>(config.min_confidence);
 }
@@ -139,7 +139,7 @@ std::vector<std::string> offerParameters(const StereoOptions& options,
           if (private_nh.getParam(parameter.name, present)) {
             if (!sameValue(present, value)) {
               differences.push_back(private_nh.resolveName(parameter.name) + " = " + text(present) +
-                                    " is on the parameter server and wins over " + text(value));
+                                    " on the parameter server overrides " + text(value));
             }
           } else if (!sameValue(value, default_value)) {
             private_nh.setParam(parameter.name, value);
@@ -160,33 +160,34 @@ std::vector<std::string> describeUnknownNames(const ros::NodeHandle& private_nh,
   all.insert(all.end(), of_method.begin(), of_method.end());
   all.insert(all.end(), kStockOnly.begin(),
              kStockOnly.end());  // handled by describeForeignParameters
-  auto sentences = describeUnknownParameters(private_nh, all);
-  for (auto& sentence : describeUnknownArguments(arguments, of_method)) {
-    sentences.push_back(std::move(sentence));
+  auto messages = describeUnknownParameters(private_nh, all);
+  for (auto& message : describeUnknownArguments(arguments, of_method)) {
+    messages.push_back(std::move(message));
   }
-  return sentences;
+  return messages;
 }
 
 std::vector<std::string> describeForeignParameters(const ros::NodeHandle& private_nh) {
-  std::vector<std::string> sentences;
+  std::vector<std::string> messages;
   for (const Parameter& parameter : stereoParameters()) {
     double value = 0;
     if (private_nh.getParam(parameter.name, value) &&
         !(value >= parameter.lowest && value <= parameter.highest)) {
-      std::ostringstream sentence;
-      sentence << private_nh.resolveName(parameter.name) << " is " << value << ", expected "
-               << rangeText(parameter.lowest, parameter.highest)
-               << ": the nearest value is used (units may not be those of stereo_image_proc)";
-      sentences.push_back(sentence.str());
+      std::ostringstream message;
+      message << private_nh.resolveName(parameter.name) << " is " << value << ", expected "
+              << rangeText(parameter.lowest, parameter.highest)
+              << ". The nearest valid value is used. Units may differ from stereo_image_proc";
+      messages.push_back(message.str());
     }
   }
   for (const char* name : kStockOnly) {
     if (private_nh.hasParam(name)) {
-      sentences.push_back(private_nh.resolveName(name) +
-                          " is a parameter of stereo_image_proc without a meaning here; ignored");
+      messages.push_back(private_nh.resolveName(name) +
+                         " is a parameter of stereo_image_proc that cbmv_stereo does not have. It "
+                         "is ignored; remove it");
     }
   }
-  return sentences;
+  return messages;
 }
 
 }  // namespace cbmv

@@ -42,9 +42,9 @@ void PointCloudNodelet::onInit() {
 void PointCloudNodelet::initialize() {
   const PrivateParameters parameters(getPrivateNodeHandle(), pointCloudPrivateParameters());
   options_ = readCloudOptions(parameters);
-  for (const std::string& sentence :
+  for (const std::string& message :
        describeUnknownParameters(getPrivateNodeHandle(), namesOf(pointCloudPrivateParameters()))) {
-    NODELET_WARN_STREAM(sentence);
+    NODELET_WARN_STREAM(message);
   }
   worker_ = std::make_unique<FrameWorker<CloudMessages>>(
       [this](const CloudMessages& messages) { work(messages); });
@@ -87,8 +87,9 @@ void PointCloudNodelet::updateSubscriptions() {
   try {
     wanted ? inputs_->subscribe() : inputs_->unsubscribe();
   } catch (const image_transport::Exception& error) {
-    NODELET_ERROR_STREAM("no images: the parameter image_transport is '"
-                         << inputs_->hints().getTransport() << "': " << error.what());
+    NODELET_ERROR_STREAM("cannot subscribe to images with image_transport '"
+                         << inputs_->hints().getTransport() << "': " << error.what()
+                         << ". Install the transport plugin, or set image_transport to raw");
   }
 }
 
@@ -128,13 +129,13 @@ sensor_msgs::PointCloud2 PointCloudNodelet::makeCloud(const CloudMessages& messa
 cv::Mat PointCloudNodelet::colorOf(const CloudMessages& messages, cv::Size size) {
   const cv::Mat white(size, CV_8UC1, cv::Scalar(255));
   return toCloudColor(messages.color, topics_[kFirst], white, [this](const std::string& reason) {
-    warn(kColorUnusable, "the cloud stays white: " + reason);
+    warn(kColorUnusable, "the point cloud is published in white: " + reason);
   });
 }
 
-void PointCloudNodelet::warn(int cause, const std::string& sentence) {
+void PointCloudNodelet::warn(int cause, const std::string& message) {
   if (throttle_.isDue(cause)) {
-    NODELET_WARN_STREAM(sentence);
+    NODELET_WARN_STREAM(message);
   }
 }
 

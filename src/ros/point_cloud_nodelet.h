@@ -44,7 +44,7 @@ class PointCloudNodelet : public nodelet::Nodelet {
   cv::Mat colorOf(const CloudMessages& messages, cv::Size size);
 
   /// Logs at most one warning per cause and period.
-  void warn(int cause, const std::string& sentence);
+  void warn(int cause, const std::string& message);
 
   CloudOptions options_;
   TopicNames topics_;               ///< resolved

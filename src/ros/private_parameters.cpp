@@ -14,13 +14,13 @@ namespace {
 constexpr double kMostDepthM = 1e6;
 
 std::vector<PrivateParameter> syncParameters() {
-  return {{"queue_size", 5, 1, 1000, "messages",
-           "Messages of each input that may wait for their partners"},
-          {"approximate_sync", false, 0, 0, "", "Pair messages whose stamps are close, not equal"},
-          {"approximate_sync_max_interval_s", 0.1, 0, 3600, "s",
-           "With approximate_sync: stamps farther apart are never paired; 0: no bound"},
-          {"image_transport", std::string("raw"), 0, 0, "",
-           "Transport by which the images are received"}};
+  return {
+      {"queue_size", 5, 1, 1000, "messages",
+       "Maximum number of messages per input that wait for a partner"},
+      {"approximate_sync", false, 0, 0, "", "Pair messages with similar instead of equal stamps"},
+      {"approximate_sync_max_interval_s", 0.1, 0, 3600, "s",
+       "With approximate_sync: largest stamp difference of a pair; 0: no limit"},
+      {"image_transport", std::string("raw"), 0, 0, "", "Image transport of the inputs"}};
 }
 
 std::vector<PrivateParameter> topicParameters() {
@@ -30,25 +30,28 @@ std::vector<PrivateParameter> topicParameters() {
       {"right_image_topic", std::string("right/image_rect"), 0, 0, "", "Topic of the right image"},
       {"right_info_topic", std::string("right/camera_info"), 0, 0, "", "Its camera_info"},
       {"left_color_topic", std::string("left/image_rect_color"), 0, 0, "",
-       "Topic of the image that colors the cloud"}};
+       "Topic of the image with the colors of the point cloud"}};
 }
 
 std::vector<PrivateParameter> cloudParameters() {
-  return {{"points_min_depth_m", 0.0, 0, kMostDepthM, "m", "Nearer points (Z) are missing"},
+  return {{"points_min_depth_m", 0.0, 0, kMostDepthM, "m", "Nearer points (Z) are NaN"},
           {"points_max_depth_m", 0.0, 0, kMostDepthM, "m",
-           "Points farther away (Z) are missing; 0: no limit"},
+           "Points farther away (Z) are NaN; 0: no limit"},
           {"points_compact", false, 0, 0, "",
-           "16 bytes a point, rgb at byte 12, in place of the 32 bytes that PCL's types have"}};
+           "Compact layout: 16 bytes per point (more with confidence or sigma), rgb at byte 12; "
+           "PCL's layout has 32 bytes"}};
 }
 
 std::vector<PrivateParameter> limitParameters() {
   return {{"warn_silence_s", 3.0, 0.1, 3600, "s",
-           "Diagnostics: without a pair for longer while an output is wanted is an error"},
+           "Diagnostics: time without a pair, while an output has a subscriber, above which the "
+           "status is an error"},
           {"warn_age_s", 1.0, 0, 3600, "s",
-           "Diagnostics: results that are older when published are a warning; 0: no bound"},
+           "Diagnostics: mean age of published results above which the status is a warning; 0: no "
+           "limit"},
           {"warn_vertical_offset_px", 1.0, 0, 16, "px",
-           "Diagnostics and log: warn where rows are farther apart (root mean square over the "
-           "image): the rig has lost its calibration; 0: no bound"}};
+           "Diagnostics and log: residual vertical offset (RMS over the image) above which the "
+           "node warns that the calibration has changed; 0: no limit"}};
 }
 
 void append(const std::vector<PrivateParameter>& more, std::vector<PrivateParameter>& table) {
@@ -64,15 +67,8 @@ constexpr const char* typeName() {
   } else if constexpr (std::is_same_v<Value, double>) {
     return "a number";
   } else {
-    return "a text";
+    return "a string";
   }
-}
-
-std::string numberText(double value) {
-  std::ostringstream text;
-  text.precision(10);  // 1000000, not 1e+06
-  text << value;
-  return text.str();
 }
 
 template <typename Value>
@@ -82,12 +78,20 @@ void requireRange([[maybe_unused]] const std::string& name, [[maybe_unused]] Val
     if (!(value >= parameter.lowest && value <= parameter.highest)) {
       throw Error(name + " is " + numberText(value) + ", expected " +
                   rangeText(parameter.lowest, parameter.highest) +
-                  (parameter.unit.empty() ? "" : " " + parameter.unit));
+                  (parameter.unit.empty() ? "" : " " + parameter.unit) +
+                  ". Set a value in this range");
     }
   }
 }
 
 }  // namespace
+
+std::string numberText(double value) {
+  std::ostringstream text;
+  text.precision(10);
+  text << value;
+  return text.str();
+}
 
 std::string rangeText(double lowest, double highest) {
   return numberText(lowest) + " to " + numberText(highest);
@@ -96,28 +100,25 @@ std::string rangeText(double lowest, double highest) {
 std::vector<PrivateParameter> stereoPrivateParameters() {
   std::vector<PrivateParameter> table = {
       {"forest", std::string(), 0, 0, "",
-       "File of the forest; without one the nodelet does not come up (the launch files give "
-       "models/middlebury_small.forest)"},
+       "Path of the forest file; required (the launch files set models/middlebury_small.forest)"},
       {"preset", std::string(), 0, 0, "",
        "Name of a file in config/ without its ending, or path of a YAML file; private parameters "
-       "win "
-       "over it"},
-      {"threads", 0, 0, 1024, "threads", "0: as many as the machine has"},
+       "override it"},
+      {"threads", 0, 0, 1024, "threads", "Threads for matching; 0: all hardware threads"},
       {"allow_different_frame_ids", true, 0, 0, "",
-       "Accept pairs whose images differ in frame_id; outputs have the left one's"}};
+       "Accept pairs with different frame_ids; outputs use the left frame_id"}};
   append(topicParameters(), table);
   append(syncParameters(), table);
   append(cloudParameters(), table);
   append(limitParameters(), table);
   table.push_back(
-      {"points_confidence", false, 0, 0, "", "Give the points of the cloud a field `confidence`"});
+      {"points_confidence", false, 0, 0, "", "Add a field `confidence` to the point cloud"});
   table.push_back({"points_sigma", false, 0, 0, "",
-                   "Give the points of the cloud a field `sigma`: `depth_sigma` of the point, in "
-                   "meters; NaN without a second forest"});
-  table.push_back(
-      {"unknown_arguments", std::string(), 0, 0, "",
-       "Set by the launch files: arguments that they were given and do not have, a colon, those "
-       "that they have; the node warns of the former"});
+                   "Add a field `sigma` to the point cloud: `depth_sigma` of the point, in meters; "
+                   "NaN without a second forest"});
+  table.push_back({"unknown_arguments", std::string(), 0, 0, "",
+                   "Set by the launch files: unknown arguments, a colon, all declared arguments; "
+                   "the node warns about the unknown ones"});
   return table;
 }
 
@@ -144,7 +145,8 @@ Value PrivateParameters::get(const std::string& name) const {
   auto value = std::get<Value>(parameter.default_value);
   const std::string resolved = private_nh_.resolveName(name);
   if (private_nh_.hasParam(name) && !private_nh_.getParam(name, value)) {
-    throw Error(resolved + " has a value of the wrong type, expected " + typeName<Value>());
+    throw Error(resolved + " has a value of the wrong type, expected " + typeName<Value>() +
+                ". Correct it, for example in the launch file");
   }
   requireRange(resolved, value, parameter);
   return value;
@@ -159,7 +161,7 @@ const PrivateParameter& PrivateParameters::find(const std::string& name) const {
   const auto found = std::find_if(table_.begin(), table_.end(),
                                   [&](const auto& parameter) { return parameter.name == name; });
   if (found == table_.end()) {
-    throw std::logic_error("no private parameter is called " + name);
+    throw std::logic_error("there is no private parameter " + name);
   }
   return *found;
 }

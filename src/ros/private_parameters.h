@@ -28,6 +28,9 @@ std::vector<PrivateParameter> pointCloudPrivateParameters();
 
 std::vector<std::string> namesOf(const std::vector<PrivateParameter>& table);
 
+/// "1000000", not "1e+06".
+std::string numberText(double value);
+
 /// "0 to 1000000".
 std::string rangeText(double lowest, double highest);
 

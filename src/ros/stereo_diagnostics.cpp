@@ -20,7 +20,7 @@ std::string number(double value, int digits) {
 
 std::string orNone(const std::string& report) { return report.empty() ? "none" : report; }
 
-constexpr const char* kIdle = "idle: nobody subscribes to an output";
+constexpr const char* kIdle = "idle: no output has a subscriber";
 
 }  // namespace
 
@@ -31,12 +31,11 @@ std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px) {
   if (model.matches == 0 || limit_px == 0 || rms_px <= limit_px) {
     return {};
   }
-  return "the rows of the images are " + number(rms_px, 2) + " px apart (at the center " +
+  return "the residual vertical offset is " + number(rms_px, 2) + " px (RMS; at the center " +
          number(model.offset_px, 2) + " +- " + number(model.offset_sigma_px, 2) +
          " px), more than warn_vertical_offset_px = " + number(limit_px, 2) +
-         ": calibrate the cameras again; correcting it leaves " +
-         number(measurement.rms_after_px, 2) + " px of " + number(measurement.rms_before_px, 2) +
-         " px";
+         ". The rectification correction reduces it from " + number(measurement.rms_before_px, 2) +
+         " to " + number(measurement.rms_after_px, 2) + " px. Calibrate the cameras again";
 }
 
 void RecentValues::add(ros::SteadyTime now, double value) {
@@ -113,7 +112,7 @@ void StereoDiagnostics::parametersDiffer(const std::string& report) {
   parameter_report_ = report;
 }
 
-void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now) {
+void StereoDiagnostics::dropped(FrameDrop cause, const std::string& message, ros::SteadyTime now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (cause == FrameDrop::kBusy) {
     ++counts_.dropped_busy;
@@ -122,7 +121,7 @@ void StereoDiagnostics::dropped(FrameDrop cause, const std::string& sentence, ro
   }
   ++(cause == FrameDrop::kBadInput ? counts_.dropped_bad_input : counts_.dropped_failed);
   faults_.add(now);
-  fault_ = Fault{sentence, now, cause == FrameDrop::kBadInput};
+  fault_ = Fault{message, now, cause == FrameDrop::kBadInput};
 }
 
 void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime now) {
@@ -140,7 +139,7 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
                    misalignmentWarning(frame, limits_.vertical_offset_px),
                    frame.warnings};
   if (fault_) {
-    fault_->is_refusal = false;
+    fault_->is_rejection = false;
   }
 }
 
@@ -182,17 +181,19 @@ void StereoDiagnostics::summarizeOutput(Status& status, ros::SteadyTime now) con
   if (!wanted_) {
     status.summary(DiagnosticStatus::OK, kIdle);
   } else if (faults > 0 && results_.count(now) == 0) {
-    status.summary(DiagnosticStatus::ERROR, "all frames are dropped: " + fault_->sentence);
+    status.summary(DiagnosticStatus::ERROR, "all frames are dropped: " + fault_->message);
   } else if (faults > 0) {
-    status.summary(DiagnosticStatus::WARN,
-                   std::to_string(faults) + " frames dropped lately: " + fault_->sentence);
+    status.summary(DiagnosticStatus::WARN, std::to_string(faults) + " frames dropped in the last " +
+                                               number(RecentValues::kSpanS, 0) +
+                                               " s: " + fault_->message);
   } else if (limits_.age_s > 0 && age_s > limits_.age_s) {
     status.summary(DiagnosticStatus::WARN,
                    "results are " + number(age_s, 2) +
                        " s old, more than warn_age_s = " + number(limits_.age_s, 2));
   } else if (age_s < 0) {
     status.summary(DiagnosticStatus::WARN,
-                   "stamps lie in the future: the clocks of the machines differ");
+                   "stamps are in the future: the clocks of the machines differ. Synchronize them "
+                   "(chrony, PTP)");
   } else {
     status.summary(DiagnosticStatus::OK, "results at " + number(results_.rateHz(now), 1) + " Hz");
   }
@@ -204,17 +205,17 @@ void StereoDiagnostics::describeOutput(Status& status, ros::SteadyTime now) cons
   status.add("results (Hz)", number(results_.rateHz(now), 1));
   status.add("age from stamp to publishing, mean (ms)", number(ages_.mean(now), 1));
   status.add("age from stamp to publishing, largest (ms)", number(ages_.largest(now), 1));
-  status.add("replaced by newer ones (Hz)", number(busy_.rateHz(now), 1));
+  status.add("dropped while busy (Hz)", number(busy_.rateHz(now), 1));
   status.add("frames processed", counts_.processed);
-  status.add("frames replaced by newer ones", counts_.dropped_busy);
+  status.add("frames dropped while busy", counts_.dropped_busy);
   status.add("frames dropped for bad input", counts_.dropped_bad_input);
   status.add("frames dropped after an error", counts_.dropped_failed);
 }
 
 void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (fault_ && fault_->is_refusal) {
-    status.summary(DiagnosticStatus::ERROR, fault_->sentence);
+  if (fault_ && fault_->is_rejection) {
+    status.summary(DiagnosticStatus::ERROR, fault_->message);
   } else if (!newest_) {
     status.summary(DiagnosticStatus::OK, "no pair of images yet");
   } else if (!newest_->warnings.empty()) {
@@ -233,7 +234,7 @@ void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now)
       status.add("warning " + std::to_string(i + 1), newest_->warnings[i]);
     }
   }
-  status.add("last fault", fault_ ? fault_->sentence : std::string("none"));
+  status.add("last fault", fault_ ? fault_->message : std::string("none"));
   if (fault_) {
     status.add("time since the last fault (s)", number((now - fault_->time).toSec(), 0));
   }
@@ -241,10 +242,10 @@ void StereoDiagnostics::describeCalibration(Status& status, ros::SteadyTime now)
 
 void StereoDiagnostics::describeMethod(Status& status, ros::SteadyTime now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  status.summary(DiagnosticStatus::OK, number(results_.mean(now), 1) + " ms a frame");
+  status.summary(DiagnosticStatus::OK, number(results_.mean(now), 1) + " ms per frame");
   status.add("forest", forest_);
   status.add("threads", threads_);
-  status.add("parameters that were not taken", orNone(parameter_report_));
+  status.add("rejected parameters", orNone(parameter_report_));
   status.add("total, mean (ms)", number(results_.mean(now), 1));
   status.add("total, largest (ms)", number(results_.largest(now), 1));
   if (newest_) {
@@ -265,7 +266,7 @@ void StereoDiagnostics::summarizeRectification(Status& status) const {
   if (!newest_) {
     status.summary(DiagnosticStatus::OK, "no pair of images yet");
   } else if (!newest_->rectification.is_watched) {
-    status.summary(DiagnosticStatus::OK, "not watched: refine_rectification is false");
+    status.summary(DiagnosticStatus::OK, "not measured: refine_rectification is false");
   } else if (newest_->rectification.measurement.model.matches == 0) {
     status.summary(DiagnosticStatus::OK,
                    "not measured: not enough matches within rectification_max_offset");
@@ -273,8 +274,8 @@ void StereoDiagnostics::summarizeRectification(Status& status) const {
     status.summary(DiagnosticStatus::WARN, newest_->misalignment);
   } else {
     status.summary(DiagnosticStatus::OK, newest_->is_corrected
-                                             ? "a small vertical offset is corrected"
-                                             : "rows lie on equal heights");
+                                             ? "a small residual vertical offset is corrected"
+                                             : "the rows are aligned");
   }
 }
 
@@ -296,7 +297,7 @@ void StereoDiagnostics::describeRectification(Status& status, ros::SteadyTime) c
   status.add("rms before correction (px)", number(measurement.rms_before_px, 3));
   status.add("rms after correction (px)", number(measurement.rms_after_px, 3));
   status.add("matches", model.matches);
-  status.add("time since it was measured (s)", number(newest_->rectification.age_s, 1));
+  status.add("age of the measurement (s)", number(newest_->rectification.age_s, 1));
   status.add("corrected", newest_->is_corrected);
 }
 

@@ -66,7 +66,7 @@ class StereoDiagnostics {
   void stampsAreWrong(const std::string& report, ros::SteadyTime now);
   /// Reports why parameters differ from the requested values.
   void parametersDiffer(const std::string& report);
-  void dropped(FrameDrop cause, const std::string& sentence, ros::SteadyTime now);
+  void dropped(FrameDrop cause, const std::string& message, ros::SteadyTime now);
   void processed(const ProcessedFrame& frame, ros::SteadyTime now);
   void published(double age_ms, ros::SteadyTime now);
 
@@ -97,9 +97,9 @@ class StereoDiagnostics {
     std::vector<std::string> warnings;  ///< about input and calibration
   };
   struct Fault {
-    std::string sentence;
+    std::string message;
     ros::SteadyTime time;
-    bool is_refusal = false;  ///< the newest frame was rejected for its messages
+    bool is_rejection = false;  ///< the newest frame was rejected for its messages
   };
 
   double silenceS(ros::SteadyTime now) const;

@@ -107,12 +107,12 @@ std::shared_ptr<const Forest> StereoNodelet::readForestParameter(
 }
 
 void StereoNodelet::offerConfig(const PrivateParameters& parameters) {
-  for (const std::string& sentence : describeForeignParameters(getPrivateNodeHandle())) {
-    NODELET_WARN_STREAM(sentence);
+  for (const std::string& message : describeForeignParameters(getPrivateNodeHandle())) {
+    NODELET_WARN_STREAM(message);
   }
-  for (const std::string& sentence : describeUnknownNames(
+  for (const std::string& message : describeUnknownNames(
            getPrivateNodeHandle(), parameters.get<std::string>("unknown_arguments"))) {
-    NODELET_WARN_STREAM(sentence);
+    NODELET_WARN_STREAM(message);
   }
   config_server_ = std::make_unique<dynamic_reconfigure::Server<cbmv_stereo::StereoConfig>>(
       config_mutex_, getPrivateNodeHandle());
@@ -165,8 +165,9 @@ void StereoNodelet::updateSubscriptions() {
     }
     updateColorSubscription();
   } catch (const image_transport::Exception& error) {
-    NODELET_ERROR_STREAM("no images: the parameter image_transport is '"
-                         << inputs_->hints().getTransport() << "': " << error.what());
+    NODELET_ERROR_STREAM("cannot subscribe to images with image_transport '"
+                         << inputs_->hints().getTransport() << "': " << error.what()
+                         << ". Install the transport plugin, or set image_transport to raw");
   }
 }
 
@@ -219,7 +220,7 @@ void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
     options_ = wanted;
     preset_ = presetOf(config.preset, options_);
   } catch (const Error& error) {
-    reportParameters(std::string(error.what()) + "; all parameters keep their values");
+    reportParameters(std::string(error.what()) + ". All parameters keep their values");
     config.min_confidence = min_confidence_;
   }
   config.preset = preset_;
@@ -228,9 +229,9 @@ void StereoNodelet::reconfigure(cbmv_stereo::StereoConfig& config) {
   processor_->setMinConfidence(min_confidence_);
 }
 
-void StereoNodelet::reportParameters(const std::string& sentence) {
-  NODELET_WARN_STREAM(sentence);
-  diagnostics_->parametersDiffer(sentence);
+void StereoNodelet::reportParameters(const std::string& message) {
+  NODELET_WARN_STREAM(message);
+  diagnostics_->parametersDiffer(message);
 }
 
 /// A newly selected preset overrides the other values; an unchanged one does not.
@@ -291,8 +292,8 @@ void StereoNodelet::warnOf(const ProcessedFrame& processed) {
 void StereoNodelet::reportRange(const ProcessedFrame& processed) {
   const DisparityRange& range = processed.result.range;
   if (processed.range_is_automatic && reported_range_ != range) {
-    NODELET_INFO_STREAM("disparity_range is automatic: the disparities " << describeRange(range)
-                                                                         << " are searched");
+    NODELET_INFO_STREAM("disparity_range is automatic: the disparity range is "
+                        << describeRange(range));
   }
   reported_range_ = processed.range_is_automatic ? std::optional(range) : std::nullopt;
 }
@@ -300,18 +301,18 @@ void StereoNodelet::reportRange(const ProcessedFrame& processed) {
 cv::Mat StereoNodelet::colorOf(const StereoMessages& frame, const ProcessedFrame& processed) {
   const auto image = colors_->find(frame.left_image->header.stamp, colorPatience());
   return toCloudColor(image, color_topic_, processed.left_gray, [this](const std::string& reason) {
-    warn(kColorUnusable, "the cloud stays gray: " + reason);
+    warn(kColorUnusable, "the point cloud is published in gray: " + reason);
   });
 }
 
 void StereoNodelet::warnOfNoSigma(const std::string& topic, const std::string& effect) {
   if (without_sigma_.insert(topic).second) {
-    NODELET_WARN_STREAM(getNodeHandle().resolveName(topic)
-                        << ": " << effect << ", because the file " << forest_name_
-                        << " has no second forest, which tells the standard deviation. Expected a "
-                           "file with both forests. Set the parameter "
-                        << getPrivateNodeHandle().resolveName("forest")
-                        << " to one; cbmv_train writes such files.");
+    NODELET_WARN_STREAM(
+        getNodeHandle().resolveName(topic)
+        << ": " << effect << ", because the forest file " << forest_name_
+        << " has no second forest, which provides the standard deviation. Set the parameter "
+        << getPrivateNodeHandle().resolveName("forest")
+        << " to a file with both forests, as written by cbmv_train.");
   }
 }
 
@@ -330,14 +331,14 @@ NodeState StereoNodelet::stateAt(const ros::Time& stamp) const {
   return state;
 }
 
-void StereoNodelet::drop(FrameDrop drop, int cause, const std::string& sentence) {
-  diagnostics_->dropped(drop, sentence, ros::SteadyTime::now());
-  warn(cause, "frame dropped: " + sentence);
+void StereoNodelet::drop(FrameDrop drop, int cause, const std::string& message) {
+  diagnostics_->dropped(drop, message, ros::SteadyTime::now());
+  warn(cause, "frame dropped: " + message);
 }
 
-void StereoNodelet::warn(int cause, const std::string& sentence) {
+void StereoNodelet::warn(int cause, const std::string& message) {
   if (throttle_.isDue(cause)) {
-    NODELET_WARN_STREAM(sentence);
+    NODELET_WARN_STREAM(message);
   }
 }
 

@@ -54,7 +54,7 @@ class StereoNodelet : public nodelet::Nodelet {
   void reportInputs();
 
   void reconfigure(cbmv_stereo::StereoConfig& config);
-  void reportParameters(const std::string& sentence);
+  void reportParameters(const std::string& message);
   StereoOptions optionsOf(const cbmv_stereo::StereoConfig& config) const;
   void receive(const StereoMessages& frame);
 
@@ -70,9 +70,9 @@ class StereoNodelet : public nodelet::Nodelet {
   std::chrono::milliseconds colorPatience();
   NodeState stateAt(const ros::Time& stamp) const;
 
-  void drop(FrameDrop drop, int cause, const std::string& sentence);
+  void drop(FrameDrop drop, int cause, const std::string& message);
   /// Logs at most one warning per cause and period.
-  void warn(int cause, const std::string& sentence);
+  void warn(int cause, const std::string& message);
 
   std::string forest_name_;
   int threads_ = 0;

@@ -28,13 +28,13 @@ std::string clockAdvice(const StampRelation& relation) {
   return "the stamps of " + relation.second + " are " + durationText(relation.distance_s) +
          " from those of " + relation.first +
          ": the clocks of the two sources differ, or one of them does not set header.stamp. "
-         "Synchronize the clocks (chrony, PTP), or correct the driver; of recordings, play both "
-         "topics from the same bag";
+         "Synchronize the clocks (chrony, PTP), or correct the driver. When playing bags, play "
+         "both topics from the same bag";
 }
 
 std::string queueAdvice(const SyncOptions& options, const StampRelation& relation) {
   std::ostringstream text;
-  text << "the stamps fit, but one topic comes late: raise the parameter queue_size from "
+  text << "the stamps match, but one topic is late: increase the parameter queue_size from "
        << options.queue_size << " to " << std::max(2 * options.queue_size, relation.lag + 2);
   return text.str();
 }
@@ -43,10 +43,10 @@ std::string intervalAdvice(const SyncOptions& options, const StampRelation& rela
   const double needed_s = neededIntervalS(relation.distance_s);
   std::ostringstream text;
   if (options.approximate) {
-    text << "raise the parameter approximate_sync_max_interval_s from "
+    text << "increase the parameter approximate_sync_max_interval_s from "
          << fixed(options.max_interval_s) << " to " << needed_s;
   } else {
-    text << "stamps have to be equal: trigger the cameras together, or set the parameters "
+    text << "the stamps are not equal: trigger the cameras together, or set the parameters "
             "approximate_sync to true and approximate_sync_max_interval_s to "
          << needed_s;
   }

@@ -17,7 +17,7 @@ struct StampRelation {
   int lag = 0;  ///< number of messages by which one topic is behind the other
 };
 
-/// Explains in one sentence why there are no pairs and what to do.
+/// Explains in one message why there are no pairs and what to do.
 std::string syncAdvice(const SyncOptions& options, const StampRelation& relation);
 
 /// A time in a suitable unit: "4.0 ms", "50.0 years".

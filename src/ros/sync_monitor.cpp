@@ -84,14 +84,14 @@ std::string SyncMonitor::reportStamps(const std::array<std::string, kInputs>& na
     stamps.largest_step_back_s = 0;
     stamps.repeated = 0;
   }
-  std::string sentence;
+  std::string message;
   if (!back.empty()) {
-    append("stamps went back on " + back, sentence);
+    append("stamps went back on " + back, message);
   }
   if (!repeated.empty()) {
-    append("stamps came twice on " + repeated, sentence);
+    append("stamps were repeated on " + repeated, message);
   }
-  return sentence;
+  return message;
 }
 
 void SyncMonitor::synchronized(ros::SteadyTime now) {
@@ -105,9 +105,9 @@ std::string SyncMonitor::report(ros::SteadyTime now, const TopicStates& states) 
   if (elapsed_s < patience_s_) {
     return {};
   }
-  std::string sentence = describe(states, elapsed_s);
+  std::string message = describe(states, elapsed_s);
   beginWindow(now, kNextReportS);
-  return sentence;
+  return message;
 }
 
 void SyncMonitor::beginWindow(ros::SteadyTime now, double patience_s) {
@@ -121,21 +121,21 @@ std::string SyncMonitor::describe(const TopicStates& states, double elapsed_s) c
   for (std::size_t i = 0; i < kInputs; ++i) {
     append(describeTopic(i, states[i], elapsed_s), topics);
   }
-  std::string sentence =
+  std::string message =
       "no synchronized set of messages in " + text("%.0f", elapsed_s) + " s: " + topics;
   const std::string what_to_do = advice(states, elapsed_s);
-  return what_to_do.empty() ? sentence : sentence + "; " + what_to_do;
+  return what_to_do.empty() ? message : message + "; " + what_to_do;
 }
 
 std::string SyncMonitor::describeTopic(std::size_t input, const TopicState& state,
                                        double elapsed_s) const {
   const Topic& topic = topics_[input];
   if (topic.count == 0 && !isPaired(input) && has_ever_come_[input]) {
-    return state.name + " nothing new (the last one is used)";
+    return state.name + " no new message (the last one is used)";
   }
   if (topic.count == 0) {
-    return state.name + (state.has_publisher ? " nothing (it has a publisher)"
-                                             : " nothing (nobody publishes it)");
+    return state.name + (state.has_publisher ? " no message (it has a publisher)"
+                                             : " no message (no publisher)");
   }
   std::string words = state.name + text(" %.1f Hz", static_cast<double>(topic.count) / elapsed_s);
   if (input == kSecond && bothArrive()) {
@@ -156,22 +156,23 @@ std::string SyncMonitor::advice(const TopicStates& states, double elapsed_s) con
       append(states[i].name, uncalibrated);
     }
   }
-  std::string sentence;
+  std::string message;
   if (!unpublished.empty()) {
-    append("look for the images with rostopic list, and remap " + unpublished, sentence, "; ");
+    append("remap " + unpublished + " to the image topics (rostopic list shows them)", message,
+           "; ");
   }
   if (!uncalibrated.empty()) {
-    append("each camera needs its calibration: publish " + uncalibrated +
-               " with every image or once (latched), from a calibration by camera_calibration",
-           sentence, "; ");
+    append("each camera needs its calibration: calibrate with camera_calibration and publish " +
+               uncalibrated + " with every image or once (latched)",
+           message, "; ");
   }
   if (bothArrive() && uncalibrated.empty()) {
     StampRelation stamps = relation(elapsed_s);
     stamps.first = states[kFirst].name;
     stamps.second = states[kSecond].name;
-    append(syncAdvice(options_, stamps), sentence, "; ");
+    append(syncAdvice(options_, stamps), message, "; ");
   }
-  return sentence;
+  return message;
 }
 
 /// Both topics must have messages.

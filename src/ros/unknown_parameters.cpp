@@ -64,15 +64,15 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 std::vector<std::string> describeUnknownParameters(const ros::NodeHandle& private_nh,
                                                    const std::vector<std::string>& known) {
-  std::vector<std::string> sentences;
+  std::vector<std::string> messages;
   for (const std::string& name : namesBelow(private_nh)) {
     if (!holds(known, name) && !holds(kOfLibraries, name)) {
-      sentences.push_back(private_nh.resolveName(name) +
-                          " is not a parameter of this node and is ignored; nearest known name: " +
-                          nearestName(name, known));
+      messages.push_back(private_nh.resolveName(name) +
+                         " is not a parameter of this node and is ignored. Did you mean " +
+                         nearestName(name, known) + "?");
     }
   }
-  return sentences;
+  return messages;
 }
 
 std::vector<std::string> describeUnknownArguments(const std::string& arguments,
@@ -81,23 +81,23 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
   const auto known = words(arguments.substr(std::min(colon + 1, arguments.size())));
   std::vector<std::string> all = known;
   all.insert(all.end(), parameters.begin(), parameters.end());
-  std::vector<std::string> sentences;
+  std::vector<std::string> messages;
   for (const std::string& name : words(arguments.substr(0, colon))) {
     if (name.rfind("__", 0) == 0) {
       continue;  // reserved by roslaunch, for example __ns
     }
     const std::string nearest = nearestName(name, all);
-    std::string sentence =
-        name + " is not an argument of the launch file and is ignored; nearest known name: ";
-    sentence += nearest;
+    std::string message =
+        name + " is not an argument of the launch file and is ignored. Did you mean ";
+    message += nearest + "?";
     if (!holds(known, nearest)) {
-      sentence +=
-          ", a parameter: set it as a private parameter of the node, in a preset, or by "
-          "dynamic_reconfigure";
+      message +=
+          " It is a parameter, not an argument: set it as a private parameter of the node, in a "
+          "preset, or with dynamic_reconfigure";
     }
-    sentences.push_back(std::move(sentence));
+    messages.push_back(std::move(message));
   }
-  return sentences;
+  return messages;
 }
 
 }  // namespace cbmv

@@ -72,9 +72,9 @@ cbmv::DataSet trainingDataSet(const Arguments& arguments, const cbmv::DataSet& d
   }
   cbmv::DataSet training = cbmv::DataSet::open(arguments.train_data_set);
   if (training.kind() != data_set.kind()) {
-    throw cbmv::Error("--train-dataset " + arguments.train_data_set + " is of the kind " +
+    throw cbmv::Error("--train-dataset " + arguments.train_data_set + " has the kind " +
                       training.kind() + ", expected " + data_set.kind() +
-                      ", whose scenes the folds divide. Name a folder of that kind.");
+                      ", the kind of --dataset. Give a data set of this kind.");
   }
   return training;
 }
@@ -83,7 +83,9 @@ cbmv::DataSet trainingDataSet(const Arguments& arguments, const cbmv::DataSet& d
 void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOptions>& options,
                 const cbmv::DataSet& data_set, std::string& settings, Evaluation& evaluation) {
   if (arguments.folds != 3 || data_set.kind() != "middlebury_v3") {
-    throw cbmv::Error("--folds must be 3 and needs a data set of the kind middlebury_v3");
+    throw cbmv::Error(
+        "--folds requires the value 3 and a data set of kind middlebury_v3. Correct --folds or "
+        "--dataset");
   }
   cbmv::TrainingOptions training = arguments.training;
   training.rectification = arguments.options.rectification;
@@ -102,8 +104,9 @@ void setUpFolds(const Arguments& arguments, const std::vector<cbmv::StereoOption
 /// One element per preset; the defaults without a preset.
 std::vector<cbmv::StereoOptions> readPresets(const Arguments& arguments) {
   if (arguments.presets.size() > 1 && arguments.folds == 0) {
-    throw cbmv::Error("there are " + std::to_string(arguments.presets.size()) +
-                      " presets; more than one, for each fold its own, needs --folds 3");
+    throw cbmv::Error(std::to_string(arguments.presets.size()) +
+                      " presets are given, expected one, or three with --folds 3 (one per fold). "
+                      "Correct --preset");
   }
   std::vector<cbmv::StereoOptions> options(std::max<std::size_t>(1, arguments.presets.size()),
                                            arguments.options);
@@ -177,7 +180,7 @@ void resume(const Arguments& arguments, const cbmv::DataSet& data_set, const Sub
                                        evaluation.report);
   if (found < 0) {
     cbmv::printLine(arguments.json +
-                    " is of another data set, forest or other settings; starting anew");
+                    " has another data set, forest or other settings. Starting again");
   }
 }
 
@@ -231,7 +234,8 @@ void complete(Arguments& arguments) {
     arguments.maps = arguments.maps.empty() ? (folder / "maps").string() : arguments.maps;
   }
   if (arguments.resume && arguments.json.empty()) {
-    throw cbmv::Error("--resume needs --json or --report, which name what there is to resume");
+    throw cbmv::Error(
+        "--resume needs --json or --report with the report to resume. Add one of them");
   }
 }
 
@@ -269,15 +273,15 @@ void conclude(const Arguments& arguments, const cbmv::EvaluationReport& report) 
     std::printf("\n%s", cbmv::formatReport(report).c_str());
   }
   if (!report.unscored.empty()) {
-    cbmv::printLine(
-        "without ground truth, so without a score: " + std::to_string(report.unscored.size()) +
-        " of " + std::to_string(report.scenes.size() + report.unscored.size()) + " scenes");
+    cbmv::printLine(std::to_string(report.unscored.size()) + " of " +
+                    std::to_string(report.scenes.size() + report.unscored.size()) +
+                    " scenes have no ground truth and no score");
   }
   if (!arguments.submission.empty()) {
     cbmv::printLine("wrote the upload " + arguments.submission);
   }
   if (!arguments.report.empty() && report.scenes.empty()) {
-    cbmv::printLine("no page is made, as no scene has a score");
+    cbmv::printLine("no page is written, because no scene has a score");
   } else if (!arguments.report.empty()) {
     writePage(arguments);
   }
@@ -302,22 +306,22 @@ void evaluate(Arguments arguments) {
   conclude(arguments, evaluation.report);
   if (failed > 0) {
     throw cbmv::Error(std::to_string(failed) + " of " + std::to_string(evaluation.scenes.size()) +
-                      " scenes are left out");
+                      " scenes failed. See the messages above");
   }
 }
 
 void addSourceOptions(CLI::App& app, Arguments& arguments) {
-  CLI::Option_group* source = app.add_option_group("What is measured", "One of these");
+  CLI::Option_group* source = app.add_option_group("Source of the disparity maps", "One of these");
   source->add_option("--forest", arguments.forest,
                      std::string(cbmv::kForestHelp) + "; scenes are matched with it");
   CLI::Option* disparities = source->add_option(
       "--disparities", arguments.disparities,
-      "Folder of ready maps: SCENE.pfm or SCENE.png (16 bits, value / 256, 0 = none), and "
-      "SCENE_confidence.pfm and SCENE_sigma.pfm (standard deviation, px) where there are any");
+      "Folder of existing maps: SCENE.pfm or SCENE.png (16 bits, value / 256, 0 = none); optional: "
+      "SCENE_confidence.pfm and SCENE_sigma.pfm (standard deviation, px)");
   CLI::Option* folds = source->add_option(
       "--folds", arguments.folds,
       "3: train the folds of the paper on Middlebury v3 and match each scene with "
-      "the forest that did not see it");
+      "the forest that was not trained on it");
   CLI::Option* baseline = source->add_flag(
       "--stereo-sgbm", arguments.stereo_sgbm,
       "Match with OpenCV's StereoSGBM, blocks of 5 px, holes filled along the row");
@@ -327,53 +331,49 @@ void addSourceOptions(CLI::App& app, Arguments& arguments) {
                  "--dataset; for example the same scenes at another resolution")
       ->needs(folds);
   app.add_flag("--automatic-range", arguments.automatic_range,
-               "Find the number of disparities in each pair; else it is the data set's")
+               "Find the number of disparities in each pair (default: use the data set's)")
       ->excludes(disparities)
       ->excludes(baseline);
   app.add_option(
          "--preset", arguments.presets,
-         cbmv::kPresetHelp +
-             std::string("; the disparities searched are those of the scene. With "
-                         "--folds 3 also three, separated by commas, for each fold its own"))
+         cbmv::kPresetHelp + std::string("; the disparity range is that of the scene. With --folds "
+                                         "3 also three, separated by commas, one per fold"))
       ->delimiter(',')
       ->excludes(disparities)
       ->excludes(baseline);
   app.add_flag("--resume", arguments.resume,
-               "Keep the scenes that FILE of --json, or the report, holds already, of the same "
-               "data set, forest and settings")
+               "Keep the scenes that are already in the file of --json or in the report, if data "
+               "set, forest and settings are the same")
       ->excludes(disparities);
   app.add_option("--submission", arguments.submission,
-                 "Folder to write what the benchmark of this data set takes as an upload; scenes "
-                 "without ground truth are then matched too, but not scored")
+                 "Folder for the upload to the benchmark of this data set; scenes without ground "
+                 "truth are then matched too, but not scored")
       ->excludes(disparities);
 }
 
 void addScoringOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option(
-         "--density", arguments.density,
-         "Also report bad 1 and bad 3 of the most confident pixels that are this percent of "
-         "all: with one confidence threshold for all scenes, and with one per scene")
+  app.add_option("--density", arguments.density,
+                 "Also report bad 1 and bad 3 of this percentage of most confident pixels: with "
+                 "one confidence threshold for all scenes, and with one per scene")
       ->check(cbmv::numberCheck<double>([](double number) { return number > 0 && number <= 100; },
                                         "a number above 0, up to 100"));
-  app.add_option(
-         "--error-scale", arguments.error_scale,
-         "Factor of disparities and truth before they are compared; 2: the errors of images "
-         "of half resolution at full-resolution scale")
+  app.add_option("--error-scale", arguments.error_scale,
+                 "Scale factor for disparities and truth; 2 gives the errors of half-resolution "
+                 "images at full-resolution scale")
       ->check(cbmv::positiveNumber())
       ->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--json", arguments.json, "Report to write; replaced after every scene");
-  app.add_option("--csv", arguments.csv, "The same as CSV");
-  app.add_option("--markdown", arguments.markdown, "The same as tables in Markdown");
-  app.add_option("--maps", arguments.maps,
-                 "Folder to write the maps to, in the form that --disparities reads, and pictures "
-                 "of them");
+  app.add_option("--csv", arguments.csv, "The report as CSV");
+  app.add_option("--markdown", arguments.markdown, "The report as tables in Markdown");
+  app.add_option(
+      "--maps", arguments.maps,
+      "Folder for the maps, in the format that --disparities reads, and for pictures of them");
   app.add_option("--report", arguments.report,
-                 "Folder to write the page index.html to, which shows all of this and needs no "
-                 "other file (by Python's matplotlib); report.json and maps/ lie there too, "
-                 "unless --json and --maps place them");
+                 "Folder for the self-contained page index.html (needs Python's matplotlib), "
+                 "report.json and maps/ (unless --json and --maps are given)");
 }
 
 }  // namespace
@@ -385,7 +385,8 @@ int main(int argc, char** argv) {
   app.add_option("--dataset", arguments.data_set, cbmv::kDataSetHelp)->required();
   cbmv::addSceneOptions(app, arguments.filter);
   addSourceOptions(app, arguments);
-  app.add_option("--threads", arguments.options.threads, "0: as many as the machine has")
+  app.add_option("--threads", arguments.options.threads,
+                 "Number of threads; 0: all hardware threads")
       ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
   addScoringOptions(app, arguments);

@@ -83,11 +83,13 @@ StereoOptions readOptions(const Arguments& arguments,
   const char* const file = arguments.calibration.c_str();
   if (calibration->disparities < image_width) {
     options.range.count = calibration->disparities;
-    std::printf("%s: disparity_range = %d is taken from ndisp\n", file, options.range.count);
+    std::printf("%s: disparity_range = %d, from ndisp\n", file, options.range.count);
   } else {
     options.range.count = 0;
-    std::printf("%s: ndisp = %d is not below the width of the images: the range is found in them\n",
-                file, calibration->disparities);
+    std::printf(
+        "%s: ndisp = %d is not less than the image width and is ignored. The disparity range is "
+        "found in the images\n",
+        file, calibration->disparities);
   }
   return options;
 }
@@ -119,8 +121,8 @@ void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasur
   if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
     std::fprintf(
         stderr,
-        "%s: warning: the rows of %s and %s are %.2f px apart, expected at most %.2f px. "
-        "They are corrected, but depth is probably wrong. Rectify the images, or calibrate "
+        "%s: warning: the vertical offset between %s and %s is %.2f px (RMS), expected at most "
+        "%.2f px. It is corrected, but depth is probably wrong. Rectify the images, or calibrate "
         "the cameras again.\n",
         kTool, arguments.left.c_str(), arguments.right.c_str(), rows.rms_before_px, kMostPxApart);
   }
@@ -146,7 +148,7 @@ void match(const Arguments& arguments) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, frame.range_correction.c_str());
   }
   if (frame.range_is_automatic) {
-    std::printf("disparities %s were found in the images\n",
+    std::printf("disparity range found in the images: %s\n",
                 describeRange(frame.result.range).c_str());
   }
   const std::string folder = arguments.output + "/";
@@ -166,8 +168,8 @@ void match(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{
       "Matches a rectified pair: disparity and confidence as PFM and as color PNG; with a "
-      "calibration depth as PFM (m, NaN where there is none), its standard deviation where the "
-      "forest tells it, and the cloud as PLY, too"};
+      "calibration depth as PFM (m, NaN where there is none), its standard deviation if the forest "
+      "provides it, and the point cloud as PLY"};
   cbmv::Arguments arguments;
   app.add_option("left", arguments.left, "Left image file")->required();
   app.add_option("right", arguments.right, "Right image file")->required();
@@ -176,7 +178,7 @@ int main(int argc, char** argv) {
   CLI::Option* const calibration = app.add_option(
       "--calibration", arguments.calibration,
       "Middlebury's or ETH3D's calib.txt; KITTI's calib_cam_to_cam.txt or calib/NNNNNN.txt "
-      "(with :02,03 behind it: the color cameras); or the left camera's YAML of "
+      "(append :02,03 for the color cameras); or the left camera's YAML of "
       "camera_calibration, or EuRoC's sensor.yaml");
   app.add_option("--right-calibration", arguments.right_calibration, "The right camera's YAML")
       ->needs(calibration);

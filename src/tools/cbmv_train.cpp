@@ -32,13 +32,13 @@ int main(int argc, char** argv) {
   cbmv::addDataSetOption(app, data_sets);
   cbmv::addSceneOptions(app, filter);
   app.add_option("--output", output, "The forest to write")->required();
-  app.add_option("--export-samples", exported,
-                 "CSV file to write the samples to that the forest is trained on: the values of "
-                 "the features and the label, 1 correct, 0 wrong");
+  app.add_option(
+      "--export-samples", exported,
+      "CSV file for the training samples: feature values and label (1 correct, 0 wrong)");
   std::vector<std::string> presets = {"quality"};
-  app.add_option("--preset", presets,
-                 "Presets that the second forest is made for, names or YAML files, separated by "
-                 "commas; it learns from the maps of each")
+  app.add_option(
+         "--preset", presets,
+         "Presets for which the second forest is trained, names or YAML files, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
   cbmv::addTrainingOptions(app, options);

@@ -78,36 +78,33 @@ void tune(Arguments& arguments) {
 void addSearchOptions(CLI::App& app, Arguments& arguments) {
   cbmv::TuningRequest& request = arguments.request;
   app.add_option("--start", arguments.start,
-                 "Preset to begin with, by its name or path; else the defaults");
+                 "Preset to start from, name or path (default: the default parameters)");
   app.add_option("--parameters", request.parameters,
-                 "What is searched, separated by commas; docs/parameters.md has the names")
+                 "Parameters to search, separated by commas (names: docs/parameters.md)")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option(
-         "--objective", request.objectives,
-         "Mean error over non-occluded pixels that is lowered: bad_0.5, bad_1, bad_2, bad_3, "
-         "avg, …, or a sum of such, bad_1+bad_4; one, or one for each data set, separated by "
-         "commas")
+  app.add_option("--objective", request.objectives,
+                 "Error to minimize, mean over non-occluded pixels: bad_0.5, bad_1, bad_2, bad_3, "
+                 "avg, …, or a sum such as bad_1+bad_4. One for all data sets, or one per data "
+                 "set, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--evaluations", request.search.evaluations, "Presets that are tried")
+  app.add_option("--evaluations", request.search.evaluations, "Number of evaluations")
       ->check(cbmv::wholeNumber(1))
       ->capture_default_str();
   app.add_option("--global-evaluations", request.search.global_evaluations,
-                 "So many of them all over the space, before the search around the best")
+                 "Number of evaluations for the global search, before the local search")
       ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
-  app.add_option(
-         "--rows", request.rows,
-         "Use the middle rows of each scene only, for trials: what is best for a strip is not for "
-         "the whole image; 0: all")
+  app.add_option("--rows", request.rows,
+                 "Use only this number of middle rows per scene, for quick trials; 0: all. "
+                 "Parameters tuned on a strip are not optimal for whole images")
       ->check(cbmv::wholeNumber(0))
       ->capture_default_str();
-  app.add_flag(
-      "--cross-validate", request.cross_validate,
-      "Search three more times, without one fold of Middlebury v3 each, score that fold, and "
-      "write its preset to PRESET_without_fold_N.yaml, for cbmv_eval --folds 3");
-  app.add_option("--threads", request.start.threads, "0: as many as the machine has")
+  app.add_flag("--cross-validate", request.cross_validate,
+               "Search three more times, each without one fold of Middlebury v3; score this fold "
+               "and write its preset to PRESET_without_fold_N.yaml, for cbmv_eval --folds 3");
+  app.add_option("--threads", request.start.threads, "Number of threads; 0: all hardware threads")
       ->check(cbmv::wholeNumber(0, 1024))
       ->capture_default_str();
 }
@@ -133,7 +130,7 @@ int main(int argc, char** argv) {
       ->add_option(
           "--folds", arguments.folds,
           "3: train on the folds of the paper on Middlebury v3; each scene is matched with "
-          "the forest that did not see it")
+          "the forest that was not trained on it")
       ->check(CLI::IsMember({3}));
   forests->require_option(1);
   addSearchOptions(app, arguments);

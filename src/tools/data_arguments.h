@@ -53,8 +53,8 @@ inline void addSecondForestOptions(CLI::App& app, SecondForestOptions& options) 
       "--no-second-forest", [&options] { options.enabled = false; },
       "Train no confidence forest and no selection forest");
   app.add_option("--groups", options.groups,
-                 "Groups of scenes: the second forest learns from maps by first forests that are "
-                 "trained on the other groups")
+                 "Number of scene groups: the second forest is trained on maps from first forests "
+                 "that were trained on the other groups")
       ->check(wholeNumber(2, 100))
       ->capture_default_str();
   app.add_option("--second-pixels-per-scene", options.pixels_per_scene,
@@ -77,28 +77,28 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
       ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
-                 "Samples from all scenes together, at most: bounds the memory, some 90 bytes a "
-                 "sample (random forest: 1800)")
+                 "Maximum number of samples from all scenes; limits the memory (about 90 bytes per "
+                 "sample, random forest 1800)")
       ->check(wholeNumber(1, 1000000000000))
       ->capture_default_str();
   options.search.levels = 3;  // as in the presets
   app.add_option("--search-levels", options.search.levels,
-                 "Levels of the coarse-to-fine search that the forest is made for; 0: exhaustive "
-                 "search alone")
+                 "Levels of the coarse-to-fine search that the forest is trained for; 0: "
+                 "exhaustive search only")
       ->check(wholeNumber(0, 8))
       ->capture_default_str();
   app.add_option("--windowed-share", options.windowed_share,
-                 "Part of the pixels whose competitors are those of the search's windows, 0 to 1; "
-                 "the others have the whole range")
+                 "Fraction of the pixels (0 to 1) whose competing hypotheses are limited to the "
+                 "search windows; the others use the whole range")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "Of the drawing")->capture_default_str();
+  app.add_option("--seed", options.seed, "Random seed of the sampling")->capture_default_str();
   const std::map<std::string, ForestKind> kinds = {{"oblivious", ForestKind::kOblivious},
                                                    {"random-forest", ForestKind::kRandomForest}};
   app.add_option_function<std::string>(
          "--kind", [&options, kinds](const std::string& kind) { options.kind = kinds.at(kind); },
          "oblivious: boosted oblivious trees, fast (the default); random-forest: the paper's "
-         "forest, slow to match with")
+         "forest, slow in matching")
       ->check(CLI::IsMember(kinds));
   app.add_option_function<int>(
       "--trees",
@@ -106,11 +106,12 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
         options.boosting.trees = trees;
         options.random_forest.trees = trees;
       },
-      "Default " + std::to_string(options.boosting.trees) + ", of a random forest " +
-          std::to_string(options.random_forest.trees));
+      "Number of trees, default " + std::to_string(options.boosting.trees) +
+          ", of a random forest " + std::to_string(options.random_forest.trees));
   app.add_option("--depth", options.boosting.depth, "Levels of an oblivious tree")
       ->capture_default_str();
-  app.add_option("--learning-rate", options.boosting.learning_rate, "Of oblivious trees")
+  app.add_option("--learning-rate", options.boosting.learning_rate,
+                 "Learning rate of oblivious trees")
       ->capture_default_str();
   app.add_option("--samples-per-leaf", options.random_forest.samples_per_leaf,
                  "Fewest samples in a leaf of a random forest")
@@ -127,7 +128,7 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
              options.boosting.matchers.set(found - kMatcherNames.begin());
            }
          },
-         "Matchers whose features oblivious trees may ask for, separated by commas; fewer are "
+         "Matchers whose features oblivious trees may use, separated by commas; fewer are "
          "faster "
          "(default: all)")
       ->delimiter(',')

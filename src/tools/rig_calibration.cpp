@@ -17,15 +17,16 @@ const cv::TermCriteria kUntilStill(cv::TermCriteria::COUNT + cv::TermCriteria::E
 
 void checkViews(const std::vector<BoardView>& views, const Chessboard& board) {
   if (views.size() < kFewestViews) {
-    throw Error("the whole board is seen in " + std::to_string(views.size()) +
-                " pairs only; calibration needs at least " + std::to_string(kFewestViews));
+    throw Error("the whole board is visible in " + std::to_string(views.size()) +
+                " pairs, expected at least " + std::to_string(kFewestViews) +
+                ". Take more pairs that show the whole board");
   }
   const auto corners = static_cast<std::size_t>(board.corners.area());
   for (const BoardView& view : views) {
     if (view.left.size() != corners || view.right.size() != corners) {
-      throw Error("a view of the board has " + std::to_string(view.left.size()) + " and " +
-                  std::to_string(view.right.size()) + " corners; both images have to show all " +
-                  std::to_string(corners));
+      throw Error("a view has " + std::to_string(view.left.size()) + " and " +
+                  std::to_string(view.right.size()) + " corners, expected " +
+                  std::to_string(corners) + " in both images. Leave out this pair");
     }
   }
 }

@@ -37,7 +37,7 @@ inline CLI::Validator rangeOf(const std::string& name) {
 
 inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
   app.add_option("--preset", arguments.preset,
-                 kPresetHelp + std::string("; the options win over it"));
+                 kPresetHelp + std::string("; the options override it"));
   CLI::Option* disparities =
       addParameterOption(app, "--disparities", "disparity_range", arguments.disparities)
           ->transform(disparityCount());
@@ -46,7 +46,8 @@ inline void addStereoOptions(CLI::App& app, StereoArguments& arguments) {
       ->check(rangeOf("min_disparity"));
   addParameterOption(app, "--max-memory-mb", "max_memory_mb", arguments.max_memory_mb)
       ->check(rangeOf("max_memory_mb"));
-  app.add_option("--threads", arguments.threads, "0, the default: as many as the machine has")
+  app.add_option("--threads", arguments.threads,
+                 "Number of threads; 0, the default: all hardware threads")
       ->check(wholeNumber(0, 1024));
 }
 

@@ -48,7 +48,7 @@ void grow(Booster& booster, long samples, const BoostingOptions& options,
 
 void checkOptions(const SampleLabels& samples, const BoostingOptions& options) {
   requireForTraining(options.leaf_unit > 0 && options.regularization >= 0,
-                     "leaf unit and regularization must be positive");
+                     "leaf unit and regularization are not both positive. Correct them");
   requireBothClasses(samples);
   requireTreeCount(options.trees);
   requireForTraining(options.depth >= 1 && options.depth <= Forest::kMaxDepth,
@@ -103,7 +103,8 @@ FeatureQuantizer fitQuantizer(const Samples& samples) {
 Forest trainForest(const Samples& samples, const BoostingOptions& options,
                    const BoostingProgress& progress) {
   checkOptions(samples, options);
-  requireForTraining(options.matchers.any(), "no matcher is left whose features trees may ask for");
+  requireForTraining(options.matchers.any(),
+                     "no matcher is left whose features the trees may use. Correct --matchers");
   Forest forest;
   forest.quantizer = fitQuantizer(samples);
   std::vector<bool> asked(kFeatureCount);

@@ -61,7 +61,8 @@ Forest trainWithoutFold(std::size_t fold, const std::vector<SceneReference>& sce
     }
   }
   if (others.empty()) {
-    throw Error("fold " + std::to_string(fold + 1) + ": no scene of another fold to train on");
+    throw Error("fold " + std::to_string(fold + 1) +
+                ": there is no scene of another fold to train on. Add scenes of other folds");
   }
   Forest forest = trainOnScenes(others, training, report);
   forest.name = "fold " + std::to_string(fold + 1);
@@ -78,7 +79,8 @@ std::vector<std::shared_ptr<const Forest>> trainFolds(const std::vector<SceneRef
   }
   if (folds.empty()) {
     throw Error(
-        "the folds are those of Middlebury v3; a data set of the kind middlebury_v3 is missing");
+        "there is no data set of kind middlebury_v3, whose folds are needed. Add it with "
+        "--dataset");
   }
   std::vector<std::shared_ptr<const Forest>> forests;
   forests.reserve(folds.size());
@@ -95,7 +97,7 @@ DisparitySource foldSource(const std::vector<SceneReference>& scenes,
                            const TrainingReport& report) {
   if (options.size() != middleburyFolds().size() && options.size() != 1) {
     throw Error("there are " + std::to_string(options.size()) +
-                " presets; it must be one, or three, one for each fold");
+                " presets, expected one, or three, one for each fold. Correct --preset");
   }
   for (const SceneReference& scene : scenes) {
     foldOf(scene.scene);  // refuses before the first training

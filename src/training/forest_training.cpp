@@ -198,7 +198,7 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
                     const TrainingProgress& progress) {
   const long pixels = pixelsPerScene(scenes.size(), options);
   requireForTraining(options.windowed_share >= 0.0 && options.windowed_share <= 1.0,
-                     "the windowed share must be from 0 to 1");
+                     "the windowed share is not in [0, 1]. Correct --windowed-share");
   const auto total = static_cast<int>(scenes.size());
   int done = 0;
   for (const SceneReference& scene : scenes) {
@@ -211,7 +211,7 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
                             static_cast<std::size_t>(pixels) * scenes.size();
   requireMachineMemory(static_cast<double>(count) * kBytesPerSample / (1 << 20),
                        std::to_string(count) + " samples",
-                       "lower --max-samples or --pixels-per-scene");
+                       "Lower --max-samples or --pixels-per-scene");
   reserve(samples, count);
   for (done = 0; done < total;) {
     const SceneReference& scene = scenes[done];

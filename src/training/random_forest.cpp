@@ -76,9 +76,8 @@ class TemporaryModelFile {
       : path_((std::filesystem::temp_directory_path() / "cbmv_forest_XXXXXX.json").string()) {
     const int file = mkstemps(path_.data(), 5);
     if (file < 0) {
-      throw Error(
-          "training: cannot make " + path_ +
-          ", which holds the forest for a moment. Set TMPDIR to a folder that can be written to.");
+      throw Error("training: cannot make " + path_ +
+                  ", which stores the forest temporarily. Set TMPDIR to a writable folder.");
     }
     close(file);
   }

@@ -25,7 +25,9 @@ void writeSamples(const Samples& samples, const std::string& path) {
   }
   file.close();
   if (!file) {
-    throw Error("samples " + path + ": cannot be written");
+    throw Error(
+        "samples " + path +
+        ": cannot be written. Check that the folder exists, is writable and has free space");
   }
 }
 

@@ -15,9 +15,9 @@
 
 namespace cbmv {
 
-inline void requireForTraining(bool good, const std::string& sentence) {
+inline void requireForTraining(bool good, const std::string& message) {
   if (!good) {
-    throw Error("training: " + sentence);
+    throw Error("training: " + message);
   }
 }
 
@@ -34,11 +34,11 @@ inline void requireBothClasses(const SampleLabels& samples) {
     counts[samples.labels[n]] += samples.held_out[n] == 1 ? 0 : 1;
   }
   requireForTraining(counts[0] > 0 && counts[1] > 0,
-                     "correct and wrong samples are both needed, there are " +
+                     "correct and wrong samples are both needed, but there are " +
                          std::to_string(counts[1]) + " and " + std::to_string(counts[0]) +
                          " to train on");
   requireForTraining(counts[0] + counts[1] < samples.count(),
-                     "no sample is held out; a scene must have at least ten rows");
+                     "no sample is held out. Use scenes with at least ten rows");
 }
 
 /// The parts of each in their sum.

@@ -103,7 +103,8 @@ SearchPoint searchParameters(const ParameterSpace& space, const StereoOptions& s
                              const SearchProgress& progress) {
   if (settings.evaluations < 1 || settings.global_evaluations < 0) {
     throw Error(
-        "the search must have one evaluation at least, and no negative number of global ones");
+        "the numbers of evaluations are invalid, expected at least one evaluation and no negative "
+        "number of global ones");
   }
   nlopt::srand(static_cast<unsigned long>(settings.seed));
   Search search(space, start, objective, progress);

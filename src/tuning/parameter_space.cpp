@@ -80,11 +80,11 @@ std::vector<std::string> defaultSearchParameters() {
 
 ParameterSpace::ParameterSpace(const std::vector<std::string>& parameters) {
   if (parameters.empty()) {
-    throw Error("there is no parameter to search; name one at least");
+    throw Error("there is no parameter to search, expected at least one. Correct --parameters");
   }
   for (const std::string& name : parameters) {
     if (std::count(parameters.begin(), parameters.end(), name) > 1) {
-      throw Error("parameter " + name + " is given twice; once is enough");
+      throw Error("parameter " + name + " is given twice, expected once. Correct --parameters");
     }
     axes_.push_back(findAxis(name));
   }
@@ -133,7 +133,8 @@ ParameterSpace::Axis ParameterSpace::findAxis(const std::string& name) {
     }
   }
   throw Error("parameter " + name +
-              " cannot be searched; those of optimization and refinement that are numbers can");
+              " cannot be searched, expected parameters of optimization and refinement that are "
+              "numbers. Correct --parameters");
 }
 
 double ParameterSpace::valueAt(const Axis& axis, double coordinate) {

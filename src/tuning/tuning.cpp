@@ -38,7 +38,8 @@ std::vector<ErrorSum> parseObjectives(const std::vector<std::string>& names,
                                       std::size_t data_sets) {
   if (names.size() != 1 && names.size() != data_sets) {
     throw Error("there are " + std::to_string(names.size()) + " objectives and " +
-                std::to_string(data_sets) + " data sets; it must be one for all, or one for each");
+                std::to_string(data_sets) +
+                " data sets, expected one objective for all, or one for each. Correct --objective");
   }
   std::vector<ErrorSum> objectives;
   objectives.reserve(data_sets);
@@ -54,12 +55,12 @@ void requireFolds(const std::vector<SceneReference>& scenes) {
   for (const SceneReference& scene : scenes) {
     if (scene.data_set.kind() != "middlebury_v3") {
       throw Error("data set " + scene.data_set.name() +
-                  ": cross-validation is for scenes of Middlebury v3, which have folds");
+                  ": has no folds, expected Middlebury v3. Leave out --cross-validate");
     }
     folds.push_back(foldOf(scene.scene));
   }
   if (std::count(folds.begin(), folds.end(), folds.front()) == static_cast<long>(folds.size())) {
-    throw Error("cross-validation needs scenes of two folds at least, all are of fold " +
+    throw Error("cross-validation needs scenes of at least two folds, but all are of fold " +
                 std::to_string(folds.front() + 1));
   }
 }

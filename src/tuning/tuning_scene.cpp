@@ -36,7 +36,7 @@ std::size_t findErrorMetric(const std::string& name) {
     }
     known += (known.empty() ? "" : ", ") + std::string(kMetrics[m].name);
   }
-  throw Error("objective " + name + ": there is no such error, it must be one of " + known);
+  throw Error("objective " + name + ": unknown error, expected one of " + known);
 }
 
 }  // namespace
@@ -65,8 +65,9 @@ std::shared_ptr<const Forest> forestForScene(
       return forest;
     }
   }
-  throw Error("data set " + scene.data_set.name() + ": every forest given was trained on scene " +
-              scene.scene + "; it needs one that was not, or must be excluded");
+  throw Error("data set " + scene.data_set.name() + ": every given forest was trained on scene " +
+              scene.scene +
+              ", expected one that was not. Add such a forest with --forest, or exclude the scene");
 }
 
 TuningScene prepareScene(const SceneReference& scene, const std::shared_ptr<const Forest>& forest,
@@ -86,7 +87,7 @@ TuningScene prepareScene(const SceneReference& scene, const std::shared_ptr<cons
   options.range = range;
   requireMachineMemory(held_mb + requiredMemoryMb(pair.left.size(), options),
                        "scene " + pair.name + " and those before it",
-                       "choose fewer scenes or fewer rows of each");
+                       "Choose fewer scenes or fewer rows of each scene");
   return prepared;
 }
 

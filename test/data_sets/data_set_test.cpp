@@ -160,7 +160,7 @@ TEST_F(DataSetTest, RefusesImagesOf2005ThatAreTooWideForTheirSize) {
     for (std::size_t other = 0; other < size; ++other) {
       EXPECT_TRUE(mentions(
           readError(open(kKindsOf2005[other].first, kind), "Aloe", kind + "/Aloe/view1.png"),
-          {std::to_string(width) + " px", "Take the kind " + kind + "."}));
+          {std::to_string(width) + " px", "Use the kind " + kind + "."}));
     }
   }
 }
@@ -179,7 +179,7 @@ TEST_F(DataSetTest, FindsThatTheTruthOf2005IsOfAnotherSize) {
     for (const auto& other : kKindsOf2005) {
       if (other.first != kind) {
         EXPECT_TRUE(mentions(readError(open(other.first, kind), "Aloe", kind + "/Aloe/disp1.png"),
-                             {other.first, "Take the kind " + kind + "."}));
+                             {other.first, "Use the kind " + kind + "."}));
       }
     }
   }
@@ -287,7 +287,8 @@ TEST_F(DataSetTest, NamesTheLineOfAListThatIsWrong) {
   for (const char* line : {"l.png r.png d.png", "l.png r.png d.png x", "l.png r.png d.png 0",
                            "l.png r.png d.png -1", "l.png r.png d.png 1 0", "l.png r.png d.png 1 x",
                            "l.png r.png d.png 1 4 5", "l.png r.png d.png 1 2.5", "l.png"}) {
-    EXPECT_TRUE(mentions(error(std::string("# none\n") + line), {where, "must be"})) << line;
+    EXPECT_TRUE(mentions(error(std::string("# none\n") + line), {where, "invalid line, expected"}))
+        << line;
   }
   EXPECT_TRUE(mentions(error("a/l.png r d 1\na_l.jpg r d 1\n"), {where, "a_l", "line 1"}));
   EXPECT_TRUE(mentions(error("# empty\n"), {"pairs.txt", "has no scene"}));
@@ -301,7 +302,8 @@ TEST_F(DataSetTest, NamesTheKindOrFolderThatIsWrong) {
     EXPECT_TRUE(mentions(errorText([&] { DataSet::open(name); }), {name, "kitti2012", "eth3d"}));
   }
   for (const char* name : {"kitti2012", "eth3d:"}) {
-    EXPECT_TRUE(mentions(errorText([&] { DataSet::open(name); }), {name, "must follow"}));
+    EXPECT_TRUE(
+        mentions(errorText([&] { DataSet::open(name); }), {name, "no folder or file after ':'"}));
   }
   fs::create_directory(folder_.file("empty"));
   for (const char* kind : {"middlebury_v3", "middlebury_2005", "eth3d"}) {
@@ -399,7 +401,7 @@ TEST_F(DataSetTest, ChoosesScenes) {
   EXPECT_EQ(names({{"A", "B"}, {"B"}}), "A");
   EXPECT_TRUE(mentions(errorText([&] { names({{"A", "E"}, {}}); }), {"scene E"}));
   EXPECT_TRUE(mentions(errorText([&] { names({{}, {"F"}}); }), {"scene F"}));
-  EXPECT_TRUE(mentions(errorText([&] { names({{"A"}, {"A"}}); }), {"no scene is left"}));
+  EXPECT_TRUE(mentions(errorText([&] { names({{"A"}, {"A"}}); }), {"all scenes are excluded"}));
 }
 
 /// CBMV_DATA is the folder of the data sets. The number of scenes may vary.

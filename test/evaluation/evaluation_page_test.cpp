@@ -44,8 +44,8 @@ TEST_F(EvaluationPage, GivesTheProgramItsArguments) {
 
 TEST_F(EvaluationPage, TellsWhatTheProgramTells) {
   EXPECT_TRUE(mentions(error("#!/bin/sh\necho first >&2\necho it lacks bread >&2\nexit 2\n"),
-                       {"page is not made", ": it lacks bread"}));
-  EXPECT_TRUE(mentions(error("#!/bin/sh\nkill -9 $$\n"), {"page is not made", "stopped"}));
+                       {"page cannot be written", ": it lacks bread"}));
+  EXPECT_TRUE(mentions(error("#!/bin/sh\nkill -9 $$\n"), {"page cannot be written", "stopped"}));
 }
 
 TEST_F(EvaluationPage, SaysWhatIsMissing) {

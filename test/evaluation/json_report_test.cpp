@@ -136,7 +136,7 @@ TEST(JsonReport, NamesTheFileThatIsWrong) {
     EXPECT_TRUE(mentions(errorText([&] { readJsonReport(path); }), {path, "not a report"}));
   }
   const std::string deep = folder.write("r.json", std::string(65, '['));
-  EXPECT_TRUE(mentions(errorText([&] { readJsonReport(deep); }), {deep, "64 levels"}));
+  EXPECT_TRUE(mentions(errorText([&] { readJsonReport(deep); }), {deep, "64 nesting levels"}));
   std::filesystem::resize_file(deep, (64 << 20) + 1);
   EXPECT_TRUE(mentions(errorText([&] { readJsonReport(deep); }), {deep, "at most 67108864"}));
   const std::string absent = folder.file("no/r.json");

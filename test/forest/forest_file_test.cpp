@@ -29,7 +29,7 @@ void writeAll(const std::string& path, const std::string& text) {
 }
 
 /// The error message of readForest; empty if it accepts the file.
-std::string refusal(const std::string& path) {
+std::string rejection(const std::string& path) {
   try {
     readForest(path);
     return {};
@@ -94,7 +94,7 @@ TEST(ForestFile, KeepsEverything) {
 }
 
 TEST(ForestFile, NamesMissingFile) {
-  EXPECT_THAT(refusal(pathOf("nowhere")),
+  EXPECT_THAT(rejection(pathOf("nowhere")),
               AllOf(HasSubstr(pathOf("nowhere")), HasSubstr("cannot be opened")));
 }
 
@@ -114,7 +114,7 @@ TEST(ForestFile, NamesDamage) {
       {replaced(good, "\"checksum\": \"", "\"checksum\": \"0"), "is damaged"}};
   for (const auto& [text, fault] : cases) {
     writeAll(pathOf("bad"), text);
-    EXPECT_THAT(refusal(pathOf("bad")), AllOf(HasSubstr(pathOf("bad")), HasSubstr(fault)));
+    EXPECT_THAT(rejection(pathOf("bad")), AllOf(HasSubstr(pathOf("bad")), HasSubstr(fault)));
   }
 }
 
@@ -125,7 +125,7 @@ TEST(ForestFile, RefusesHostileJson) {
   };
   const std::string depths(500000, '[');
   EXPECT_THAT(fault(R"({"format": "cbmv_stereo forest", "version": 1, "model": )" + depths),
-              HasSubstr("64 levels"));
+              HasSubstr("64 nesting levels"));
   std::string keys = "{\"a\": 0";
   for (int i = 0; i < 100000; ++i) {
     keys += ", \"" + std::to_string(i) + "\": 0";
@@ -146,7 +146,7 @@ TEST(ForestFile, RefusesHostileJson) {
 TEST(ForestFile, RefusesLargeFilesBeforeItReadsThem) {
   writeAll(pathOf("large"), "{");
   std::filesystem::resize_file(pathOf("large"), (64 << 20) + 1);
-  EXPECT_THAT(refusal(pathOf("large")), HasSubstr("at most 64 MiB"));
+  EXPECT_THAT(rejection(pathOf("large")), HasSubstr("at most 64 MiB"));
   std::filesystem::remove(pathOf("large"));
 }
 
@@ -154,7 +154,7 @@ TEST(ForestFile, RefusesToWriteWhatCannotBeRead) {
   const auto write_changed = [](const auto& change) {
     Forest forest = makeForest(3, 4, 2);
     change(forest);
-    writeForest(forest, pathOf("refused"));
+    writeForest(forest, pathOf("rejected"));
   };
   EXPECT_THROW(write_changed([](Forest& f) { f.trees.clear(); }), Error);
   EXPECT_THROW(write_changed([](Forest& f) { f.trees[1].levels.clear(); }), Error);
@@ -199,9 +199,9 @@ TEST(ForestFile, KeepsGeneralTrees) {
 }
 
 /// The error message when the forest is written.
-std::string refusalToWrite(const Forest& forest) {
+std::string rejectionToWrite(const Forest& forest) {
   try {
-    writeForest(forest, pathOf("refused"));
+    writeForest(forest, pathOf("rejected"));
     return {};
   } catch (const Error& error) {
     return error.what();
@@ -211,7 +211,7 @@ std::string refusalToWrite(const Forest& forest) {
 TEST(ForestFile, RefusesToWriteMoreThanIsRead) {
   Forest forest = makeForest(1, 1, 1);
   forest.provenance.options = std::string(64 << 20, 'x');
-  EXPECT_THAT(refusalToWrite(forest), AllOf(HasSubstr("refused"), HasSubstr("64 MiB")));
+  EXPECT_THAT(rejectionToWrite(forest), AllOf(HasSubstr("rejected"), HasSubstr("64 MiB")));
 }
 
 TEST(ForestFile, GeneralTreesTakeNoMoreThanTheirNumbers) {
@@ -224,7 +224,7 @@ TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
   const auto changed = [](const auto& change) {
     Forest forest = makeGeneralForest(3, 10, 2);
     change(forest.general_trees[1].nodes);
-    return refusalToWrite(forest);
+    return rejectionToWrite(forest);
   };
   using Nodes = std::vector<DecisionTree::Node>;
   EXPECT_THAT(changed([](Nodes& nodes) { nodes.clear(); }), HasSubstr("tree 1 has no nodes"));
@@ -246,7 +246,7 @@ TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
               HasSubstr("more than 128 levels"));
   Forest both = makeGeneralForest(3, 10, 2);
   both.trees = makeForest(1, 1, 1).trees;
-  EXPECT_THAT(refusalToWrite(both), HasSubstr("both"));
+  EXPECT_THAT(rejectionToWrite(both), HasSubstr("both"));
 }
 
 Forest withConfidence(const ConfidenceForest& confidence) {
@@ -309,10 +309,10 @@ TEST(ForestFile, KeepsTheSelectionForest) {
 TEST(ForestFile, SelectionNeedsConfidence) {
   Forest forest = withSelection(makeConfidenceForest(2, 3, 2, 5));
   forest.confidence = nullptr;
-  EXPECT_THAT(refusalToWrite(forest), HasSubstr("selection forest without a confidence forest"));
+  EXPECT_THAT(rejectionToWrite(forest), HasSubstr("selection forest without a confidence forest"));
   ConfidenceForest selection = makeConfidenceForest(2, 3, 2, 5);
   addSigmaModel(selection);
-  EXPECT_THAT(refusalToWrite(withSelection(selection)),
+  EXPECT_THAT(rejectionToWrite(withSelection(selection)),
               HasSubstr("sigma_px in its selection forest"));
 }
 
@@ -344,7 +344,7 @@ TEST(ForestFile, ChecksumCoversTheFurtherForests) {
         std::pair("9.25", "9.26"), std::pair("200", "201"), std::pair("\"f5\"", "\"g5\""),
         std::pair("0.875", "0.876")}) {
     writeAll(pathOf("bad"), replaced(good, from, to));
-    EXPECT_THAT(refusal(pathOf("bad")), HasSubstr("is damaged")) << from;
+    EXPECT_THAT(rejection(pathOf("bad")), HasSubstr("is damaged")) << from;
   }
 }
 
@@ -352,8 +352,8 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
   const auto fault = [](const auto& change) {
     ConfidenceForest confidence = makeConfidenceForest(5, 3, 4, 2);
     change(confidence);
-    const std::string of_selection = refusalToWrite(withSelection(confidence));
-    const std::string of_confidence = refusalToWrite(withConfidence(confidence));
+    const std::string of_selection = rejectionToWrite(withSelection(confidence));
+    const std::string of_confidence = rejectionToWrite(withConfidence(confidence));
     EXPECT_EQ(of_selection, of_confidence.empty()
                                 ? ""
                                 : replaced(of_confidence, "confidence forest", "selection forest"));
@@ -361,7 +361,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAConfidenceForest) {
   };
   using Changed = ConfidenceForest;
   const auto of_confidence = [](const char* text) {
-    return HasSubstr(std::string("refused: confidence forest: ") + text);
+    return HasSubstr(std::string("rejected: confidence forest: ") + text);
   };
   EXPECT_THAT(fault([](Changed& f) { f.feature_names.clear(); }),
               of_confidence("has 0 features instead of 1 to 64"));
@@ -391,7 +391,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfTheStandardDeviation) {
     ConfidenceForest confidence = makeConfidenceForest(5, 3, 4, 2);
     addSigmaModel(confidence);
     change(confidence);
-    return refusalToWrite(withConfidence(confidence));
+    return rejectionToWrite(withConfidence(confidence));
   };
   using Changed = ConfidenceForest;
   EXPECT_EQ(fault([](Changed&) {}), "");
@@ -414,7 +414,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfTheStandardDeviation) {
 }
 
 /// The error message for a text; empty if it is a valid forest.
-std::string refusalOfText(const std::string& text) {
+std::string rejectionOfText(const std::string& text) {
   try {
     parseForest(text, "folder/text");
     return {};
@@ -424,7 +424,7 @@ std::string refusalOfText(const std::string& text) {
 }
 
 /// The same for a model, with its checksum, in a file of this version.
-std::string refusalOfModel(const std::string& model, int version = 1) {
+std::string rejectionOfModel(const std::string& model, int version = 1) {
   const std::string text = R"({"format": "cbmv_stereo forest", "version": )" +
                            std::to_string(version) +
                            R"(, "provenance": {"program": "", "data_set": "", "scenes": [],
@@ -435,12 +435,12 @@ std::string refusalOfModel(const std::string& model, int version = 1) {
                                                 "held_out_log_loss": 0}},
                            "checksum": "%", "model": )" +
                            model + "}";
-  const std::string fault = refusalOfText(text);
-  return refusalOfText(replaced(text, "%", fault.substr(fault.size() - 8)));
+  const std::string fault = rejectionOfText(text);
+  return rejectionOfText(replaced(text, "%", fault.substr(fault.size() - 8)));
 }
 
 TEST(ForestFile, NamesUnknownKind) {
-  EXPECT_THAT(refusalOfModel(R"({"features": 20, "bias": 0, "kind": "dense", "trees": []})"),
+  EXPECT_THAT(rejectionOfModel(R"({"features": 20, "bias": 0, "kind": "dense", "trees": []})"),
               HasSubstr("kind \"dense\""));
 }
 
@@ -451,9 +451,9 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
     for (int i = 1; i < code_maps; ++i) {
       maps += ", [1, 0]";
     }
-    return refusalOfModel(R"({"features": 20, "bias": 0, "leaf_unit": 1, "code_maps": [)" + maps +
-                          R"(], "trees": [{"levels": [)" + level + R"(], "leaves": [0, )" + leaf +
-                          "]}]}");
+    return rejectionOfModel(R"({"features": 20, "bias": 0, "leaf_unit": 1, "code_maps": [)" + maps +
+                            R"(], "trees": [{"levels": [)" + level + R"(], "leaves": [0, )" + leaf +
+                            "]}]}");
   };
   EXPECT_EQ(refusal_of(20, "[19, 255]", "127"), "");
   EXPECT_THAT(refusal_of(19, "[19, 255]", "127"), HasSubstr("19 code maps instead of 20"));
@@ -474,10 +474,10 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitTheFurtherForests) {
   };
   const auto refusal_of = [](const std::string& confidence, const std::string& selection,
                              int version = 2) {
-    return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
+    return rejectionOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
                               "trees": [{"nodes": [0]}], "confidence_forest": )" +
-                              confidence + R"(, "selection_forest": )" + selection + "}",
-                          version);
+                                confidence + R"(, "selection_forest": )" + selection + "}",
+                            version);
   };
   const std::string good = further("[1, 255]");
   EXPECT_EQ(refusal_of(good, good), "");
@@ -496,12 +496,12 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
     for (int k = 1; k < 40; ++k) {
       sigmas += ", 10";
     }
-    return refusalOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
+    return rejectionOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
                               "trees": [{"nodes": [0]}], "confidence_forest": {
                               "features": ["roughness_5"], "bias": 0, "leaf_unit": 1, "trees": [
                               {"levels": [[0, 1]], "leaves": [0, 1]}], "sigma_px": [)" +
-                              sigmas + "]" + bounds + "}}",
-                          2);
+                                sigmas + "]" + bounds + "}}",
+                            2);
   };
   EXPECT_EQ(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 255])"), "");
   EXPECT_THAT(refusal_of(""), HasSubstr("key 'sigma_roughness_bounds'"));
@@ -545,7 +545,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
       {"binary:logistic", "multi:softprob", "multi:softprob"},
       {"\"2.5E-1\"", "\"1\"", "base score"},
       {"\"2.5E-1\"", "\"x\"", "no valid JSON"},
-      {"\"2.5E-1\"", "\"" + std::string(65, '[') + "\"", "64 levels"},
+      {"\"2.5E-1\"", "\"" + std::string(65, '[') + "\"", "64 nesting levels"},
       {"\"20\"", "\"4\"", "20 features"},
       {"\"feature_names\": []", "\"feature_names\": [\"f0\"]", "another order"},
       {"\"split_type\": [0", "\"split_type\": [1", "categories"},
@@ -557,7 +557,7 @@ TEST(ForestFile, NamesWhatIsWrongWithAModelOfXgboost) {
       {"1.5E0", "1e99", "reasonable size"},
       {"\"right_children\"", "\"right\"", "missing or misplaced"}};
   for (const auto& [from, to, fault] : cases) {
-    EXPECT_THAT(refusalOfText(replaced(kXgboostModel, from, to)),
+    EXPECT_THAT(rejectionOfText(replaced(kXgboostModel, from, to)),
                 AllOf(HasSubstr("folder/text"), HasSubstr(fault)))
         << from << " to " << to;
   }

@@ -155,7 +155,7 @@ TEST(CalibrationCheck, WarnsOfBaselinesInOtherUnits) {
 TEST(CalibrationCheck, FindsExchangedAndSingleCameras) {
   expectError(InputFault::kUncalibrated, {"/left/info and /right/info", "P[3] = -30", "exchanged"},
               [](auto& cameras) { std::swap(cameras.left, cameras.right); });
-  expectError(InputFault::kUncalibrated, {"P[3] = 0", "one by one"},
+  expectError(InputFault::kUncalibrated, {"P[3] = 0", "calibrated separately"},
               [](auto& cameras) { cameras.right = cameras.left; });
 }
 

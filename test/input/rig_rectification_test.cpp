@@ -93,7 +93,7 @@ TEST(RigRectification, SaysWhatIsWrong) {
   };
   StereoCameras bad = good;
   bad.right.width = 320;
-  expectError(bad, makeTransform(), "differ in size");
+  expectError(bad, makeTransform(), "different sizes");
   bad = good;
   bad.left.height = 0;
   expectError(bad, makeTransform(), "left camera's width and height");
@@ -105,16 +105,16 @@ TEST(RigRectification, SaysWhatIsWrong) {
   expectError(bad, makeTransform(), "right camera's distortion coefficients are 1, expected 4");
   bad = good;
   bad.right = makeCamera("equidistant", {0, 0, 0, 0}, 400);
-  expectError(bad, makeTransform(), "both must have the same");
+  expectError(bad, makeTransform(), "only one camera has the distortion model equidistant");
   bad = good;
   bad.left.camera_matrix[0] = std::numeric_limits<double>::quiet_NaN();
   expectError(bad, makeTransform(), "left camera's camera matrix");
   RigTransform transform = makeTransform();
   transform.rotation(1, 1) = 0;
-  expectError(good, transform, "no rotation");
+  expectError(good, transform, "no valid rotation");
   transform = makeTransform();
   transform.translation = {0, 0, 0};
-  expectError(good, transform, "same place");
+  expectError(good, transform, "same position");
 }
 
 }  // namespace

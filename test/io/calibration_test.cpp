@@ -62,16 +62,16 @@ TEST(Calibration, NamesFileAndKeyThatIsWrong) {
   EXPECT_TRUE(mentions(error("cam1", "camera"), {"cam1 is missing"}));
   EXPECT_TRUE(mentions(error("baseline", "base"), {"baseline is missing"}));
   EXPECT_TRUE(mentions(error("ndisp", "disp"), {"ndisp is missing"}));
-  EXPECT_TRUE(mentions(error("322.037", "left"), {"cam0 must"}));
-  EXPECT_TRUE(mentions(error("; 0 0 1 ]", "]"), {"cam0 must"}));
-  EXPECT_TRUE(mentions(error("[ 1038.018", "[ -5"), {"cam0 must"}));
-  EXPECT_TRUE(mentions(error(" 176.252", ""), {"baseline must"}));
-  EXPECT_TRUE(mentions(error(" 176.252", "-1"), {"baseline must"}));
-  EXPECT_TRUE(mentions(error(" 176.252", "1 2"), {"baseline must"}));
-  EXPECT_TRUE(mentions(error("718", "718.5"), {"width must"}));
-  EXPECT_TRUE(mentions(error("718", "7e18"), {"width must"}));
-  EXPECT_TRUE(mentions(error("496", "0"), {"height must"}));
-  EXPECT_TRUE(mentions(error("496", "4x"), {"height must"}));
+  EXPECT_TRUE(mentions(error("322.037", "left"), {"cam0 is not"}));
+  EXPECT_TRUE(mentions(error("; 0 0 1 ]", "]"), {"cam0 is not"}));
+  EXPECT_TRUE(mentions(error("[ 1038.018", "[ -5"), {"cam0 is not"}));
+  EXPECT_TRUE(mentions(error(" 176.252", ""), {"baseline is not"}));
+  EXPECT_TRUE(mentions(error(" 176.252", "-1"), {"baseline is not"}));
+  EXPECT_TRUE(mentions(error(" 176.252", "1 2"), {"baseline is not"}));
+  EXPECT_TRUE(mentions(error("718", "718.5"), {"width is not"}));
+  EXPECT_TRUE(mentions(error("718", "7e18"), {"width is not"}));
+  EXPECT_TRUE(mentions(error("496", "0"), {"height is not"}));
+  EXPECT_TRUE(mentions(error("496", "4x"), {"height is not"}));
 }
 
 TEST(Calibration, RefusesLargeFiles) {

@@ -92,9 +92,8 @@ TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
   for (const std::string& content : {hugePng(), hugeJpeg()}) {
     const std::string file = folder.write("huge", content);
     EXPECT_EQ(errorText([&] { readGrayImage(file); }),
-              "Cannot read " + file +
-                  ": it claims to hold 4294836225 pixels, images must have at " +
-                  "most 134217728.");
+              "Cannot read " + file + ": its header has 4294836225 pixels, expected at " +
+                  "most 134217728. Use a smaller image.");
   }
   const std::string large = folder.write("large", "");
   std::filesystem::resize_file(large, (1U << 30) + 1);
@@ -229,7 +228,7 @@ TEST_F(GrayPairFiles, MustHaveOneSize) {
   writeImage(folder_.file("right.png"), randomImage(5, 6, CV_8UC3));
   EXPECT_TRUE(mentions(
       errorText([&] { readGrayPair(folder_.file("left.png"), folder_.file("right.png")); }),
-      {folder_.file("right.png") + " is 6x5", folder_.file("left.png") + " is 7x5"}));
+      {folder_.file("right.png") + " has 6x5", "7x5 as " + folder_.file("left.png")}));
 }
 
 TEST(ImageFile, NamesTheFileThatIsNoImage) {
@@ -239,7 +238,7 @@ TEST(ImageFile, NamesTheFileThatIsNoImage) {
   const std::string empty = folder.write("empty.png", "");
   const std::string truncated = folder.write("truncated.png", "\x89PNG\r\n\x1a\n");
   EXPECT_TRUE(mentions(errorText([&] { readGrayImage(missing); }), {missing, "no such file"}));
-  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(folder.file("")); }), {"not a file"}));
+  EXPECT_TRUE(mentions(errorText([&] { readGrayImage(folder.file("")); }), {"not a regular file"}));
   for (const std::string& path : {text, empty, truncated}) {
     EXPECT_TRUE(mentions(errorText([&] { readGrayImage(path); }), {path, "not an image"}));
     EXPECT_TRUE(mentions(errorText([&] { readColorImage(path); }), {path}));

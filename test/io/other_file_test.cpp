@@ -17,7 +17,8 @@ class OtherFileTest : public testing::Test {
  protected:
   OtherFileTest() { std::ofstream(input_) << "a recording"; }
   bool isRejected(const std::string& input, const std::string& output) const {
-    return mentions(errorText([&] { requireOtherFile(input, output); }), {"is the input", input});
+    return mentions(errorText([&] { requireOtherFile(input, output); }),
+                    {"would overwrite the input", input});
   }
 
   TemporaryFolder folder_;

@@ -53,19 +53,19 @@ TEST_F(OutputCheck, NamesTheFileThatCannotBeWritten) {
       mentions(fileError(path("none/a.json")), {path("none/a.json"), "there is no folder"}));
   EXPECT_TRUE(
       mentions(fileError(path("file/a.json")), {path("file/a.json"), "there is no folder"}));
-  EXPECT_TRUE(mentions(fileError(path("folder")), {path("folder"), "not a folder"}));
-  EXPECT_TRUE(mentions(fileError(path("new/")), {path("new/"), "not a folder"}));
+  EXPECT_TRUE(mentions(fileError(path("folder")), {path("folder"), "it is a folder"}));
+  EXPECT_TRUE(mentions(fileError(path("new/")), {path("new/"), "it is a folder"}));
   EXPECT_TRUE(mentions(fileError(""), {"empty path"}));
-  EXPECT_TRUE(mentions(fileError("/proc/a.json"), {"/proc/a.json", "takes no new files"}));
+  EXPECT_TRUE(mentions(fileError("/proc/a.json"), {"/proc/a.json", "no file can be created"}));
 }
 
 TEST_F(OutputCheck, NamesTheFolderThatCannotBeWritten) {
   folder_.write("file", "");
   for (const char* name : {"file", "file/", "file/deep/er"}) {
-    EXPECT_TRUE(mentions(folderError(path(name)), {path(name), path("file") + " is none"}));
+    EXPECT_TRUE(mentions(folderError(path(name)), {path(name), path("file") + " is not a folder"}));
   }
   EXPECT_TRUE(mentions(folderError(""), {"empty path"}));
-  EXPECT_TRUE(mentions(folderError("/proc/new"), {"/proc/new", "takes no new files"}));
+  EXPECT_TRUE(mentions(folderError("/proc/new"), {"/proc/new", "no file can be created"}));
 }
 
 TEST_F(OutputCheck, KnowsPermissions) {
@@ -74,11 +74,12 @@ TEST_F(OutputCheck, KnowsPermissions) {
   }
   const std::string file = folder_.write("file", "");
   chmod(file.c_str(), S_IRUSR);
-  EXPECT_TRUE(mentions(fileError(file), {file, "must not be written"}));
+  EXPECT_TRUE(mentions(fileError(file), {file, "is not writable"}));
   fs::create_directory(path("folder"));
   chmod(path("folder").c_str(), S_IRUSR | S_IXUSR);
-  EXPECT_TRUE(mentions(fileError(path("folder/new")), {path("folder/new"), "takes no new files"}));
-  EXPECT_TRUE(mentions(folderError(path("folder/new")), {"takes no new files"}));
+  EXPECT_TRUE(
+      mentions(fileError(path("folder/new")), {path("folder/new"), "no file can be created"}));
+  EXPECT_TRUE(mentions(folderError(path("folder/new")), {"no file can be created"}));
   chmod(path("folder").c_str(), S_IRWXU);
 }
 

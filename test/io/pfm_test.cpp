@@ -101,9 +101,9 @@ TEST(Pfm, SaysWhatIsWrongWithTheFile) {
     return text;
   };
   const std::string values = littleEndianValues();
-  EXPECT_TRUE(mentions(error(""), {"portable float map"}));
-  EXPECT_TRUE(mentions(error("PF\n3 2\n-1\n" + values), {"portable float map"}));
-  EXPECT_TRUE(mentions(error("P5\n3 2\n255\n" + values), {"portable float map"}));
+  EXPECT_TRUE(mentions(error(""), {"not a gray PFM file"}));
+  EXPECT_TRUE(mentions(error("PF\n3 2\n-1\n" + values), {"not a gray PFM file"}));
+  EXPECT_TRUE(mentions(error("P5\n3 2\n255\n" + values), {"not a gray PFM file"}));
   EXPECT_TRUE(mentions(error("Pf\nthree 2\n-1\n" + values), {"header"}));
   EXPECT_TRUE(mentions(error("Pf\n3 2\n0\n" + values), {"header"}));
   EXPECT_TRUE(mentions(error("Pf\n3 2"), {"header"}));
@@ -113,7 +113,8 @@ TEST(Pfm, SaysWhatIsWrongWithTheFile) {
   EXPECT_TRUE(mentions(error("Pf\n0 2\n-1\n" + values), {"0x2"}));
   EXPECT_TRUE(mentions(error("Pf\n-3 -2\n-1\n" + values), {"-3x-2"}));
   EXPECT_TRUE(mentions(error("Pf\n65535 65535\n-1\n" + values), {"has 42 bytes", "17179344918"}));
-  EXPECT_TRUE(mentions(error("Pf\n3 2\n-1\n" + values.substr(1)), {"has 33 bytes", "has 34."}));
+  EXPECT_TRUE(
+      mentions(error("Pf\n3 2\n-1\n" + values.substr(1)), {"has 33 bytes", "expected 34 for"}));
   EXPECT_TRUE(mentions(error("Pf\n3 2\n-1\n" + values + "x"), {"has 35 bytes"}));
 }
 

@@ -177,9 +177,9 @@ TEST_F(StereoCamerasTest, TakesOneFileForBothOrOneForEach) {
   const std::string left = folder_.write("left.yaml", euroc(0.5));
   const std::string ros = folder_.write("ros.yaml", "image_width: 3\n");
   EXPECT_TRUE(mentions(errorOf(both, left), {both, "both cameras", left}));
-  EXPECT_TRUE(mentions(errorOf(left), {left, "left camera alone"}));
+  EXPECT_TRUE(mentions(errorOf(left), {left, "only the left camera"}));
   EXPECT_TRUE(mentions(errorOf(left, ros), {ros, "another format", left}));
-  EXPECT_TRUE(mentions(errorOf(left, left), {left, "same place"}));
+  EXPECT_TRUE(mentions(errorOf(left, left), {left, "same position"}));
 }
 
 TEST_F(StereoCamerasTest, NamesTheModelsOfEurocThatAreKnown) {

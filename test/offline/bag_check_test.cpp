@@ -27,20 +27,22 @@ TEST_F(BagCheckTest, TellsWhatIsThere) {
   writeRecording(input_, 3);
   const BagCheck found = check();
   EXPECT_THAT(found.problems, IsEmpty());
-  EXPECT_TRUE(mentions(found.text, {"/stereo/left/image_rect  sensor_msgs/Image  3", "3 pairs",
-                                    "are taken as rectified: their names hold \"rect\"",
-                                    "focal length 120.0 px, baseline 0.2500 m", "96 x 64 px",
-                                    "to 15 px reach from 2.00 m on", "ms of matching a frame"}));
+  EXPECT_TRUE(
+      mentions(found.text, {"/stereo/left/image_rect  sensor_msgs/Image  3", "3 pairs",
+                            "are treated as rectified: their names contain \"rect\"",
+                            "focal length 120.0 px, baseline 0.2500 m", "96 x 64 px",
+                            "up to 15 px: nearest depth 2.00 m", "ms wall time per frame"}));
 }
 
 TEST_F(BagCheckTest, TellsHowFarStampsAreApart) {
   PairMessages late = recordedFrame(5);
   late.right_image->header.stamp += ros::Duration(0.02);
   writeRecording(input_, 2, [&](rosbag::Bag& bag) { writeFrame(bag, late); });
-  EXPECT_THAT(check().problems,
-              ElementsAre(HasSubstr("1 left images have no right one of their stamp; the nearest "
-                                    "is 0.020000 s away. Pair them with "
-                                    "--max-stamp-difference-s 0.021")));
+  EXPECT_THAT(
+      check().problems,
+      ElementsAre(HasSubstr("1 left images have no right image with equal stamp; the nearest "
+                            "is 0.020000 s away. Pair them with "
+                            "--max-stamp-difference-s 0.021")));
 }
 
 TEST_F(BagCheckTest, TellsThatCamerasAreSwapped) {
@@ -59,7 +61,7 @@ TEST_F(BagCheckTest, TellsThatRowsAreNotAligned) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100)));
   bag.close();
-  EXPECT_THAT(check().problems, ElementsAre(HasSubstr("rows of the pair are 2.0")));
+  EXPECT_THAT(check().problems, ElementsAre(HasSubstr("vertical offset of the pair is 2.0")));
 }
 
 TEST_F(BagCheckTest, TellsThatTheBagIsDamaged) {

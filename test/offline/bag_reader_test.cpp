@@ -84,7 +84,7 @@ TEST_P(BagReaderTest, NamesAFileThatBecomesShorter) {
     const std::string error = errorText([&] { reader.read(entry); });
     if (error != "no error") {
       ++missing;
-      EXPECT_THAT(error, testing::HasSubstr("in.bag has become shorter"));
+      EXPECT_THAT(error, testing::HasSubstr("in.bag was truncated"));
     }
   }
   EXPECT_GE(missing, 10U);
@@ -113,16 +113,18 @@ TEST(BagReader, RefusesWhatIsNoBag) {
   const TemporaryFolder folder;
   for (const char* content : {"", "#ROSBAG V1.2\nabc", "P5 3 4"}) {
     const std::string path = folder.write("no.bag", content);
-    EXPECT_THAT(errorText([&] { BagReader{path}; }), testing::HasSubstr("no.bag is no bag"));
+    EXPECT_THAT(errorText([&] { BagReader{path}; }), testing::HasSubstr("no.bag is not a bag"));
   }
   EXPECT_THAT(errorText([&] { BagReader{folder.file("none.bag")}; }),
               testing::HasSubstr("none.bag: No such file"));
   EXPECT_THAT(errorText([] { BagReader{"/dev/null"}; }),
-              testing::HasSubstr("/dev/null: it is no file"));
-  EXPECT_THAT(errorText([] { BagReader{"/"}; }), testing::HasSubstr("read /: it is no file"));
+              testing::HasSubstr("/dev/null: it is not a regular file"));
+  EXPECT_THAT(errorText([] { BagReader{"/"}; }),
+              testing::HasSubstr("read /: it is not a regular file"));
   const std::string pipe = folder.file("pipe");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);  // without a writer
-  EXPECT_THAT(errorText([&] { BagReader{pipe}; }), testing::HasSubstr("pipe: it is no file"));
+  EXPECT_THAT(errorText([&] { BagReader{pipe}; }),
+              testing::HasSubstr("pipe: it is not a regular file"));
 }
 
 TEST(BagReader, NamesADamagedChunk) {

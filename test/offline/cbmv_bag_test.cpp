@@ -279,7 +279,7 @@ TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
 TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 4);
   const Outcome outcome = run("out/", "--write disparity,cloud", "ulimit -f 60;");
-  expectRefusal(outcome, {"Cannot write", "points2/", "room"});
+  expectRefusal(outcome, {"Cannot write", "points2/", "free space"});
   EXPECT_FALSE(fs::exists(folder_.file("out/index.csv")));
   EXPECT_EQ(filesThatBegin("out/points2/."), 0U) << "an unfinished file is left";
   EXPECT_EQ(run("out/", "--write disparity,cloud --resume").status, 0);
@@ -300,15 +300,16 @@ TEST_F(CbmvBagTest, ExitStatusTellsThatNothingWasDone) {
 TEST_F(CbmvBagTest, KeepsTheRecordingThatIsNamedAsOutput) {
   writeRecording(folder_.file("in.bag"), 1);
   const std::string content = contentOf(folder_.file("in.bag"));
-  expectRefusal(run("in.bag", "--overwrite"), {"is the input", "in.bag"});
-  expectRefusal(run("out.bag", "--json " + folder_.file("in.bag")), {"is the input", "in.bag"});
+  expectRefusal(run("in.bag", "--overwrite"), {"would overwrite the input", "in.bag"});
+  expectRefusal(run("out.bag", "--json " + folder_.file("in.bag")),
+                {"would overwrite the input", "in.bag"});
   expectRefusal(test::run("cbmv_bag", "merge " + folder_.file("in.bag") + " --overwrite --output " +
                                           folder_.file("./in.bag")),
-                {"is the input", "in.bag"});
+                {"would overwrite the input", "in.bag"});
   expectRefusal(test::run("cbmv_bag", "check " + folder_.file("in.bag") + " --forest " +
                                           folder_.file("fixture.forest") + " --json " +
                                           folder_.file("in.bag")),
-                {"is the input", "in.bag"});
+                {"would overwrite the input", "in.bag"});
   EXPECT_EQ(contentOf(folder_.file("in.bag")), content);
 }
 
@@ -316,8 +317,8 @@ TEST_F(CbmvBagTest, KeepsTheForestThatIsNamedAsOutput) {
   writeRecording(folder_.file("in.bag"), 1);
   const std::string forest = folder_.file("fixture.forest");
   const std::string content = contentOf(forest);
-  expectRefusal(run("fixture.forest", "--overwrite"), {"is the input", forest});
-  expectRefusal(run("out.bag", "--json " + forest), {"is the input", forest});
+  expectRefusal(run("fixture.forest", "--overwrite"), {"would overwrite the input", forest});
+  expectRefusal(run("out.bag", "--json " + forest), {"would overwrite the input", forest});
   EXPECT_EQ(contentOf(forest), content);
 }
 
@@ -339,7 +340,7 @@ TEST_F(CbmvBagTest, MergeKeepsTheShardThatIsNamedAsItsOwnFile) {
   const std::string content = contentOf(first);
   expectRefusal(test::run("cbmv_bag", "merge " + first + " " + folder_.file("2.bag") +
                                           " --output " + folder_.file("all.bag")),
-                {"is the input", "all.bag.merge"});
+                {"would overwrite the input", "all.bag.merge"});
   EXPECT_EQ(contentOf(first), content);
 }
 

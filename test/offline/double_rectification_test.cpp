@@ -99,7 +99,7 @@ TEST_F(DoubleRectification, IsNotTakenForACalibrationThatDoesNotFit) {
   right.rotation *= -1;
   left.describe(*messages.left_info);
   right.describe(*messages.right_info);
-  EXPECT_THAT(warning(messages), HasSubstr("The calibration does not fit the images"));
+  EXPECT_THAT(warning(messages), HasSubstr("The calibration does not match the images"));
 }
 
 /// Raw images whose topics have names of rectified images.
@@ -111,7 +111,7 @@ TEST_F(DoubleRectification, RowsOfRawImagesTakenAsRectifiedAreWarnedOf) {
   left.rotation = {0.006, 0, 0};
   right.rotation = {-0.006, 0, 0};
   makeRaw(left, right, messages);
-  EXPECT_THAT(misaligned(messages), HasSubstr("px apart, expected at most 1.00 px"));
+  EXPECT_THAT(misaligned(messages), HasSubstr("px, expected at most 1.00 px"));
   EXPECT_THAT(misaligned(messages), HasSubstr("Use --rectified no"));
 }
 

@@ -189,7 +189,7 @@ TEST_F(FrameFilesTest, IndexNamesFramesAndFailures) {
   ASSERT_GE(rows[3].size(), 6U);
   EXPECT_EQ(rows[3][1], "100.200000000");
   EXPECT_EQ(rows[3][3], "");
-  EXPECT_TRUE(mentions(rows[3][5], {"differ in size"}));
+  EXPECT_TRUE(mentions(rows[3][5], {"different sizes"}));
   EXPECT_EQ(rows[4][0], "3");
   EXPECT_EQ(filesIn(folder_options_.output).size(), 7U) << "something is left";
 }
@@ -221,7 +221,7 @@ TEST_F(FrameFilesTest, StopsAndResumesWithTheSameContent) {
   const auto whole = filesIn(folder_options_.output);
   for (const int frames : {1, 3}) {
     folder_options_.output = folder_.file("stopped" + std::to_string(frames));
-    folder_options_.earlier = EarlierParts::kRefuse;
+    folder_options_.earlier = EarlierParts::kReject;
     int asked = 0;
     ConversionEvents events;
     events.should_stop = [&] { return ++asked > frames; };

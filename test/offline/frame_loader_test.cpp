@@ -34,7 +34,7 @@ sensor_msgs::Image imageOf(const sensor_msgs::CameraInfo& info) {
 }
 
 /// The error when an image with the recorded size is rectified with this calibration.
-std::string refusal(const sensor_msgs::CameraInfo& info) {
+std::string rejection(const sensor_msgs::CameraInfo& info) {
   return errorText([&] { RawCamera(info, "/left", imageSize(imageOf(calibration()))); });
 }
 
@@ -73,13 +73,13 @@ TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
   expectOverrun(text, 0);
 }
 
-TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(refusal(calibration()), "no error"); }
+TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(rejection(calibration()), "no error"); }
 
 TEST(RawCamera, RefusesUnusableCalibrations) {
   const auto changed = [](const auto& change) {
     sensor_msgs::CameraInfo info = calibration();
     change(info);
-    return refusal(info);
+    return rejection(info);
   };
   using Info = sensor_msgs::CameraInfo;
   EXPECT_THAT(changed([](Info& info) { info.K[0] = 0; }),
@@ -104,7 +104,7 @@ TEST(RawCamera, RefusesUnusableCalibrations) {
               HasSubstr("sensor of 40000x40000"));
   EXPECT_THAT(changed([](Info& info) { info.binning_x = 4000000000U; }), HasSubstr("/left"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = "fisheye of my own"; }),
-              HasSubstr("/left is raw, but its camera_info has the unknown distortion model "
+              HasSubstr("/left is raw, but its camera_info has an unknown distortion model "
                         "'fisheye of my own'. Expected plumb_bob, rational_polynomial or "
                         "equidistant"));
   EXPECT_THAT(changed([](Info& info) { info.distortion_model = ""; }),

@@ -185,7 +185,7 @@ TEST_F(ShardTest, MayBeMoreThanFrames) {
   merge(convertShards(5));
   EXPECT_TRUE(contentOf(merged_) == whole);
   options_.plan.start_s = 1000;
-  EXPECT_TRUE(mentions(errorText([&] { convertShard(1, 2); }), {"no pair", "--shard"}));
+  EXPECT_TRUE(mentions(errorText([&] { convertShard(1, 2); }), {"no pair", "no shards"}));
 }
 
 TEST_F(ShardTest, LargeFramesCountMore) {
@@ -264,7 +264,7 @@ TEST_F(ShardTest, MergeRefusesOtherSettingsAndRecordings) {
     changed.earlier = EarlierParts::kOverwrite;
     convertBags(changed, forest_, {});
     EXPECT_TRUE(mentions(mergeError({shardFile(1, 2), shardFile(2, 2)}),
-                         {"different recordings or settings", shardFile(2, 2)}));
+                         {"different input bags or settings", shardFile(2, 2)}));
   };
   ConversionOptions changed = options_;
   changed.matching.stereo.sgm.p2 += 1;

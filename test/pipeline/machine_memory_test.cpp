@@ -99,9 +99,9 @@ TEST(RequireMemory, TakesTheLowerOfBothBounds) {
 }
 
 TEST(RequireMachineMemory, NamesWhatNeedsIt) {
-  EXPECT_EQ(errorText([] { requireMachineMemory(10, "samples", "take fewer", 10); }), "no error");
-  EXPECT_EQ(errorText([] { requireMachineMemory(11, "samples", "take fewer", 10); }),
-            "samples need 11 MB, but the machine has 10 MB; take fewer");
+  EXPECT_EQ(errorText([] { requireMachineMemory(10, "samples", "Take fewer", 10); }), "no error");
+  EXPECT_EQ(errorText([] { requireMachineMemory(11, "samples", "Take fewer", 10); }),
+            "samples need 11 MB, but the machine has 10 MB. Take fewer");
 }
 
 TEST(DescribeFailure, HasASentenceForMissingMemory) {

@@ -21,7 +21,7 @@ std::string writePreset(const std::string& text) {
 }
 
 template <typename Action>
-std::string refusal(const Action& action) {
+std::string rejection(const Action& action) {
   try {
     action();
     return {};
@@ -75,14 +75,14 @@ TEST(Parameters, SetTheirOwnField) {
 
 TEST(Parameters, RefuseWrongTypesAndValues) {
   StereoOptions options;
-  EXPECT_THAT(refusal([&] { findParameter("P1").set(options, 61.0); }),
+  EXPECT_THAT(rejection([&] { findParameter("P1").set(options, 61.0); }),
               AllOf(HasSubstr("P1"), HasSubstr("61"), HasSubstr("[0, 60]")));
-  EXPECT_THAT(refusal([&] { findParameter("P1").set(options, std::nan("")); }), HasSubstr("P1"));
-  EXPECT_THAT(refusal([&] { findParameter("disparity_range").set(options, 64.5); }),
+  EXPECT_THAT(rejection([&] { findParameter("P1").set(options, std::nan("")); }), HasSubstr("P1"));
+  EXPECT_THAT(rejection([&] { findParameter("disparity_range").set(options, 64.5); }),
               HasSubstr("whole number"));
-  EXPECT_THAT(refusal([&] { findParameter("subpixel").set(options, 1); }),
+  EXPECT_THAT(rejection([&] { findParameter("subpixel").set(options, 1); }),
               HasSubstr("true or false"));
-  EXPECT_THAT(refusal([&] { findParameter("p3"); }), HasSubstr("p3"));
+  EXPECT_THAT(rejection([&] { findParameter("p3"); }), HasSubstr("p3"));
   findParameter("P1").set(options, 2);
   EXPECT_EQ(options.sgm.p1, 2.0F);
 }
@@ -96,10 +96,10 @@ TEST(CorrectOptions, MendsAndSaysSo) {
   StereoOptions options;
   options.sgm.p1 = 12;
   options.refinement.median_size_px = 4;
-  const std::vector<std::string> mends = correctOptions(options);
-  ASSERT_EQ(mends.size(), 2U);
-  EXPECT_THAT(mends[0], AllOf(HasSubstr("P1 (12)"), HasSubstr("P2 (10)")));
-  EXPECT_THAT(mends[1], AllOf(HasSubstr("median_size (4)"), HasSubstr("3")));
+  const std::vector<std::string> corrections = correctOptions(options);
+  ASSERT_EQ(corrections.size(), 2U);
+  EXPECT_THAT(corrections[0], AllOf(HasSubstr("P1 (12)"), HasSubstr("P2 (10)")));
+  EXPECT_THAT(corrections[1], AllOf(HasSubstr("median_size (4)"), HasSubstr("3")));
   EXPECT_EQ(options.sgm.p1, 10.0F);
   EXPECT_EQ(options.refinement.median_size_px, 3);
   EXPECT_TRUE(correctOptions(options).empty());
@@ -134,7 +134,7 @@ TEST(Preset, MayBeginWithAByteOrderMark) {
 
 TEST(Preset, NamesFileAndKeyThatAreWrong) {
   const auto read = [](const std::string& path) {
-    return refusal([&] {
+    return rejection([&] {
       StereoOptions options;
       readPreset(path, options);
     });
@@ -150,7 +150,7 @@ TEST(Preset, NamesFileAndKeyThatAreWrong) {
 
 TEST(Preset, RefusesHostileYaml) {
   const auto read = [](const std::string& text) {
-    return refusal([&] {
+    return rejection([&] {
       StereoOptions options;
       readPreset(writePreset(text), options);
     });
@@ -158,7 +158,7 @@ TEST(Preset, RefusesHostileYaml) {
   EXPECT_THAT(read("P1: .nan"), HasSubstr("P1 is nan"));
   EXPECT_THAT(read("P1: .inf"), HasSubstr("[0, 60]"));
   EXPECT_THAT(read("P1: " + std::string(2000, '[')), HasSubstr("not valid YAML"));
-  EXPECT_THAT(read("# " + std::string(70000, 'x')), HasSubstr("larger than 65536 bytes"));
+  EXPECT_THAT(read("# " + std::string(70000, 'x')), HasSubstr("more than 65536 bytes"));
   std::string bomb = "a0: &a0 [x, x]\n";
   for (int i = 1; i < 60; ++i) {
     const std::string here = "a" + std::to_string(i), last = "*a" + std::to_string(i - 1);

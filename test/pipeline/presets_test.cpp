@@ -43,9 +43,9 @@ TEST_F(NamedFilesTest, MayLieHereWithAnyEnding) {
 
 TEST_F(NamedFilesTest, AreListedWhereThereIsNone) {
   EXPECT_EQ(errorText([&] { presetPath("slow", folder_); }),
-            "there is no preset 'slow'; there are fast, good, or give the path of a YAML file");
+            "unknown preset 'slow', expected a name (fast, good) or the path of a YAML file");
   EXPECT_EQ(errorText([&] { forestPath("fast", folder_); }),
-            "there is no forest 'fast'; there are small, or give the path of a forest");
+            "unknown forest 'fast', expected a name (small) or the path of a forest file");
   EXPECT_TRUE(mentions(errorText([&] { presetPath("fast", files_.file("none")); }),
                        {"none in " + files_.file("none")}));
 }

@@ -290,7 +290,7 @@ TEST(StereoMatcher, TwoWorkSideBySide) {
 TEST(StereoMatcher, RefusesBadImages) {
   StereoMatcher matcher(randomForest(), optionsFor({0, 8}));
   const cv::Mat gray(20, 30, CV_8UC1, cv::Scalar(1));
-  const auto refusal = [&](const cv::Mat& left, const cv::Mat& right) -> std::string {
+  const auto rejection = [&](const cv::Mat& left, const cv::Mat& right) -> std::string {
     try {
       matcher.match(left, right);
       return {};
@@ -298,12 +298,12 @@ TEST(StereoMatcher, RefusesBadImages) {
       return error.what();
     }
   };
-  EXPECT_THAT(refusal(gray, cv::Mat()), HasSubstr("right image is empty"));
-  EXPECT_THAT(refusal(cv::Mat(), gray), HasSubstr("left image is empty"));
-  EXPECT_THAT(refusal(gray, cv::Mat(20, 31, CV_8UC1)),
+  EXPECT_THAT(rejection(gray, cv::Mat()), HasSubstr("right image is empty"));
+  EXPECT_THAT(rejection(cv::Mat(), gray), HasSubstr("left image is empty"));
+  EXPECT_THAT(rejection(gray, cv::Mat(20, 31, CV_8UC1)),
               AllOf(HasSubstr("30x20"), HasSubstr("31x20")));
-  EXPECT_THAT(refusal(gray, cv::Mat(20, 30, CV_8UC3)), HasSubstr("gray"));
-  EXPECT_EQ(refusal(gray, gray), "");
+  EXPECT_THAT(rejection(gray, cv::Mat(20, 30, CV_8UC3)), HasSubstr("gray"));
+  EXPECT_EQ(rejection(gray, gray), "");
 }
 
 TEST(StereoMatcher, RefusesInconsistentOptionsAndKeepsTheOld) {

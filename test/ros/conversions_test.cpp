@@ -388,12 +388,13 @@ TEST(Geometry, RefusesUnusableCameras) {
     messages = goodMessages();
     messages.right_info->P[3] = tx;
     expectBadInfo(messages, InputFault::kUncalibrated,
-                  {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "one by one"});
+                  {kTopics.right_info, "P[3]", tx > 0 ? "exchanged" : "calibrated separately"});
   }
   messages = goodMessages();  // each value is possible, but not their quotient
   messages.right_info->P[0] = 1e-6;
   messages.right_info->P[3] = -1e6;
-  expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "reasonable size"});
+  expectBadInfo(messages, InputFault::kUncalibrated,
+                {kTopics.right_info, "without reasonable size"});
 
   messages = goodMessages();
   messages.left_info->width = 640;

@@ -123,8 +123,8 @@ class FaultTest : public ::testing::Test {
   }
 
   /// Checks that the pair changed by `spoil` is rejected and that the diagnostics contain `words`.
-  static void expectRefused(const std::function<void(PairMessages&)>& spoil,
-                            const std::string& words) {
+  static void expectRejected(const std::function<void(PairMessages&)>& spoil,
+                             const std::string& words) {
     SCOPED_TRACE(words);
     PairMessages messages = goodPair();
     spoil(messages);

@@ -179,7 +179,7 @@ TEST(Lifecycle, FramesThatFindNoAddressSpaceAreDropped) {
     EXPECT_TRUE(stream.comes());
     stream.images = renderPair({1242, 375}, 10, 40);
     EXPECT_TRUE(diagnostics.waitFor("Output", diagnostic_msgs::DiagnosticStatus::WARN,
-                                    "dropped lately: ", [&] {
+                                    "dropped in the last 10 s: ", [&] {
                                       stream.cameras.publish(stream.pair());
                                       wait(0.2);
                                     }));

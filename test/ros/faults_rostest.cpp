@@ -16,13 +16,15 @@ const std::string kLeft = "/left/image_rect";
 const std::string kRight = "/right/image_rect";
 const std::string kLeftInfo = "/left/camera_info";
 const std::string kRightInfo = "/right/camera_info";
+const std::string kUnchangedData = " has 2623 bytes of data";  // 61 x 43 pixels
 
 using MessageFaults = FaultTest;
 
 TEST_F(MessageFaults, SizesThatAreNone) {
-  expectRefused([](PairMessages& m) { m.left_image->width = 0; }, kLeft + " is an empty image");
-  expectRefused([](PairMessages& m) { m.right_image->height = 0; }, kRight + " is an empty image");
-  expectRefused(
+  expectRejected([](PairMessages& m) { m.left_image->width = 0; }, kLeft + " has an empty image");
+  expectRejected([](PairMessages& m) { m.right_image->height = 0; },
+                 kRight + " has an empty image");
+  expectRejected(
       [](PairMessages& m) {
         for (const auto& image : {m.left_image, m.right_image}) {
           image->width = image->height = image->step = 0;
@@ -34,26 +36,29 @@ TEST_F(MessageFaults, SizesThatAreNone) {
 
 TEST_F(MessageFaults, SizesThatAreNotThere) {
   const std::uint32_t huge = std::numeric_limits<std::uint32_t>::max();
-  expectRefused([&](PairMessages& m) { m.left_image->width = huge; }, kLeft + " has a step of");
-  expectRefused([&](PairMessages& m) { m.left_image->height = huge; }, kLeft + " holds");
-  expectRefused([&](PairMessages& m) { m.left_image->step = huge; }, kLeft + " holds");
-  expectRefused(
+  expectRejected([&](PairMessages& m) { m.left_image->width = huge; }, kLeft + " has a step of");
+  expectRejected([&](PairMessages& m) { m.left_image->height = huge; }, kLeft + kUnchangedData);
+  expectRejected([&](PairMessages& m) { m.left_image->step = huge; }, kLeft + kUnchangedData);
+  expectRejected(
       [&](PairMessages& m) {
         for (const auto& image : {m.left_image, m.right_image}) {
           image->width = image->height = image->step = huge;
         }
       },
-      kLeft + " holds");
-  expectRefused([](PairMessages& m) { m.right_image->height *= 2; }, kRight + " holds");
+      kLeft + kUnchangedData);
+  expectRejected([](PairMessages& m) { m.right_image->height *= 2; }, kRight + kUnchangedData);
 }
 
 TEST_F(MessageFaults, TooLittleDataAndWrongSteps) {
-  expectRefused([](PairMessages& m) { m.left_image->data.clear(); }, kLeft + " holds 0 bytes");
-  expectRefused([](PairMessages& m) { m.right_image->data.pop_back(); }, kRight + " holds");
-  expectRefused([](PairMessages& m) { m.right_image->data.push_back(0); }, kRight + " holds");
-  expectRefused([](PairMessages& m) { --m.left_image->step; }, kLeft + " has a step of 60");
-  expectRefused([](PairMessages& m) { ++m.left_image->step; }, kLeft + " holds");
-  expectRefused([](PairMessages& m) { m.right_image->step = 0; }, kRight + " has a step of 0");
+  expectRejected([](PairMessages& m) { m.left_image->data.clear(); },
+                 kLeft + " has 0 bytes of data");
+  expectRejected([](PairMessages& m) { m.right_image->data.pop_back(); },
+                 kRight + " has 2622 bytes of data");
+  expectRejected([](PairMessages& m) { m.right_image->data.push_back(0); },
+                 kRight + " has 2624 bytes of data");
+  expectRejected([](PairMessages& m) { --m.left_image->step; }, kLeft + " has a step of 60");
+  expectRejected([](PairMessages& m) { ++m.left_image->step; }, kLeft + kUnchangedData);
+  expectRejected([](PairMessages& m) { m.right_image->step = 0; }, kRight + " has a step of 0");
 }
 
 TEST_F(MessageFaults, UnknownEncodings) {
@@ -137,12 +142,12 @@ TEST_F(MessageFaults, NumbersInCameraInfoThatAreNone) {
     expectDiagnostic("Calibration", Level::ERROR, "has no usable projection matrix (P[11]");
   }
   for (const double value : {0.0, -1.0, 1e-300}) {
-    expectRefused([&](PairMessages& m) { m.left_info->P[0] = value; },
-                  kLeftInfo + " has no usable");
-    expectRefused([&](PairMessages& m) { m.right_info->P[5] = value; },
-                  kRightInfo + " has no usable");
-    expectRefused([&](PairMessages& m) { m.right_info->P[3] = -value; },
-                  kRightInfo + (value < 0 ? " have a negative baseline" : " have no baseline"));
+    expectRejected([&](PairMessages& m) { m.left_info->P[0] = value; },
+                   kLeftInfo + " has no usable");
+    expectRejected([&](PairMessages& m) { m.right_info->P[5] = value; },
+                   kRightInfo + " has no usable");
+    expectRejected([&](PairMessages& m) { m.right_info->P[3] = -value; },
+                   kRightInfo + (value < 0 ? " have a negative baseline" : " have no baseline"));
   }
 }
 
@@ -162,14 +167,15 @@ TEST_F(MessageFaults, NumbersThatNobodyReads) {
 TEST_F(MessageFaults, SizesBinningAndRegionsThatDoNotFit) {
   const std::uint32_t huge = std::numeric_limits<std::uint32_t>::max();
   const std::string describes = kLeftInfo + " describes images of ";
-  expectRefused([](PairMessages& m) { m.left_info->width = 0; }, describes + "0 x 43");
-  expectRefused([&](PairMessages& m) { m.left_info->width = huge; }, describes + "2147483647 x 43");
-  expectRefused([](PairMessages& m) { m.left_info->binning_x = 2; }, describes + "30 x 43");
-  expectRefused([&](PairMessages& m) { m.left_info->binning_y = huge; }, describes + "61 x 0");
-  expectRefused([](PairMessages& m) { m.left_info->roi.width = m.left_info->roi.height = 8; },
-                describes + "8 x 8");
-  expectRefused([&](PairMessages& m) { m.left_info->roi.width = m.left_info->roi.height = huge; },
-                describes + "2147483647 x 2147483647");
+  expectRejected([](PairMessages& m) { m.left_info->width = 0; }, describes + "0 x 43");
+  expectRejected([&](PairMessages& m) { m.left_info->width = huge; },
+                 describes + "2147483647 x 43");
+  expectRejected([](PairMessages& m) { m.left_info->binning_x = 2; }, describes + "30 x 43");
+  expectRejected([&](PairMessages& m) { m.left_info->binning_y = huge; }, describes + "61 x 0");
+  expectRejected([](PairMessages& m) { m.left_info->roi.width = m.left_info->roi.height = 8; },
+                 describes + "8 x 8");
+  expectRejected([&](PairMessages& m) { m.left_info->roi.width = m.left_info->roi.height = huge; },
+                 describes + "2147483647 x 2147483647");
 }
 
 TEST_F(MessageFaults, SizesChangeInMidStream) {
@@ -184,12 +190,12 @@ TEST_F(MessageFaults, SizesChangeInMidStream) {
     EXPECT_EQ(disparity->image.height, static_cast<unsigned>(size.height));
     expectRightAgain();
   }
-  expectRefused(
+  expectRejected(
       [](PairMessages& m) {
         m.right_image =
             makeMessages(renderPair({60, 43}, 2, 5), {}, m.right_image->header.stamp).right_image;
       },
-      "differ in size (61 x 43 px and 60 x 43 px)");
+      "have different sizes (61 x 43 px and 60 x 43 px)");
 }
 
 TEST_F(MessageFaults, EncodingAndCalibrationChangeInMidStream) {
@@ -241,7 +247,7 @@ TEST_F(MessageFaults, RandomFieldsDoNoHarm) {
     wait(0.002);
   }
   expectRightAgain();
-  expectDiagnostic("Output", Level::WARN, "frames dropped lately: ");
+  expectDiagnostic("Output", Level::WARN, "frames dropped in the last 10 s: ");
 }
 
 TEST_F(MessageFaults, ImagesThatTheMachineHasNoMemoryFor) {

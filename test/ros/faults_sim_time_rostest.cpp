@@ -57,7 +57,7 @@ class SimulatedTime : public FaultTest {
 TEST_F(SimulatedTime, MayStandStill) {
   for (int i = 0; i < 3; ++i) {
     expectRightAgain();
-    expectDiagnostic("Input", Level::WARN, "stamps came twice on ");
+    expectDiagnostic("Input", Level::WARN, "stamps were repeated on ");
   }
 }
 
@@ -66,7 +66,7 @@ TEST_F(SimulatedTime, MayJumpBackAndFarAhead) {
     SCOPED_TRACE(time_s);
     clock->set(ros::Time(time_s));
     expectRightAgain();
-    expectDiagnostic("Method", Level::OK, "ms a frame");  // diagnostics continue
+    expectDiagnostic("Method", Level::OK, "ms per frame");  // diagnostics continue
   }
   expectDiagnostic("Input", Level::WARN, "stamps went back on ");
 }

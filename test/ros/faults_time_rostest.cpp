@@ -31,7 +31,7 @@ TEST_F(TimeFaults, OneCameraIsSilentAndComesBack) {
   subscribeAnew();
   const Feeder left_only(0.05, [] { cameras().publishLeft(goodPair()); });
   expectDiagnostic("Input", Level::ERROR, "no pair of images for");
-  expectDiagnostic("Input", Level::ERROR, "/right/image_rect nothing (it has a publisher)");
+  expectDiagnostic("Input", Level::ERROR, "/right/image_rect no message (it has a publisher)");
   expectRightAgain();
   expectDiagnostic("Input", Level::OK, "pairs of images at", [] { cameras().publish(goodPair()); });
 }
@@ -161,7 +161,7 @@ TEST_F(TimeFaults, StampsThatComeTwice) {
     ASSERT_TRUE(disparity);
     expectSame(*disparity);
   }
-  expectStampWarning("stamps came twice on ");
+  expectStampWarning("stamps were repeated on ");
   cameras().publishLeft(messages);
   cameras().publishLeft(messages);
   expectRightAgain();
@@ -170,7 +170,7 @@ TEST_F(TimeFaults, StampsThatComeTwice) {
 TEST_F(TimeFaults, Bursts) {
   const auto replaced = [] {
     const std::string count =
-        shared->diagnostics.newestValue("Output", "frames replaced by newer ones");
+        shared->diagnostics.newestValue("Output", "frames dropped while busy");
     return count.empty() ? -1 : std::stol(count);
   };
   ASSERT_TRUE(waitFor([&] { return replaced() >= 0; }));

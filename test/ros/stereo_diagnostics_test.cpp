@@ -90,7 +90,7 @@ TEST_F(Diagnostics, WrongStampsAreNamedForAWhile) {
 }
 
 TEST_F(Diagnostics, NameParametersThatWereNotTaken) {
-  const char* key = "parameters that were not taken";
+  const char* key = "rejected parameters";
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "none");
   diagnostics_.parametersDiffer("P1 is nan");
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeMethod, 1).values[key], "P1 is nan");
@@ -148,7 +148,7 @@ TEST_F(Diagnostics, DropsAreCountedByCause) {
   const Report some = report(diagnostics_, &StereoDiagnostics::describeOutput, 4);
   EXPECT_EQ(some.level, DiagnosticStatus::WARN);
   expectHolds(some.message, "out of memory");
-  EXPECT_EQ(some.values.at("frames replaced by newer ones"), "1");
+  EXPECT_EQ(some.values.at("frames dropped while busy"), "1");
   EXPECT_EQ(some.values.at("frames dropped for bad input"), "2");
   EXPECT_EQ(some.values.at("frames dropped after an error"), "1");
   EXPECT_EQ(report(diagnostics_, &StereoDiagnostics::describeOutput, 4 + 11).level,
@@ -203,19 +203,14 @@ TEST_F(Diagnostics, MethodTellsTimesMemoryForestAndThreads) {
   run(0, 0.5);
   const Report method = report(diagnostics_, &StereoDiagnostics::describeMethod, 4.5);
   EXPECT_EQ(method.level, DiagnosticStatus::OK);
-  const std::map<std::string, std::string> expected = {{"forest", "a.forest"},
-                                                       {"threads", "4"},
-                                                       {"total, mean (ms)", "102.0"},
-                                                       {"total, largest (ms)", "102.0"},
-                                                       {"rectification (ms)", "1.0"},
-                                                       {"volume (ms)", "20.0"},
-                                                       {"aggregation (ms)", "30.0"},
-                                                       {"sgm (ms)", "40.0"},
-                                                       {"refinement (ms)", "5.0"},
-                                                       {"selection (ms)", "6.0"},
-                                                       {"disparities", "0 ... 63 px"},
-                                                       {"memory (MB)", "123"},
-                                                       {"parameters that were not taken", "none"}};
+  const std::map<std::string, std::string> expected = {
+      {"forest", "a.forest"},         {"threads", "4"},
+      {"total, mean (ms)", "102.0"},  {"total, largest (ms)", "102.0"},
+      {"rectification (ms)", "1.0"},  {"volume (ms)", "20.0"},
+      {"aggregation (ms)", "30.0"},   {"sgm (ms)", "40.0"},
+      {"refinement (ms)", "5.0"},     {"selection (ms)", "6.0"},
+      {"disparities", "0 ... 63 px"}, {"memory (MB)", "123"},
+      {"rejected parameters", "none"}};
   EXPECT_EQ(method.values, expected);
 }
 
@@ -226,8 +221,9 @@ TEST_F(Diagnostics, ARigThatIsKnockedOutOfCalibrationIsAWarning) {
   diagnostics_.processed(makeFrame(1.1), at(2));
   const Report knocked = report(diagnostics_, &StereoDiagnostics::describeRectification, 2);
   EXPECT_EQ(knocked.level, DiagnosticStatus::WARN);
-  expectHolds(knocked.message, "1.10 px apart (at the center 1.10 +- 0.02 px)");
-  expectHolds(knocked.message, "leaves 0.05 px of 1.15 px");
+  expectHolds(knocked.message,
+              "the residual vertical offset is 1.10 px (RMS; at the center 1.10 +- 0.02 px)");
+  expectHolds(knocked.message, "reduces it from 1.15 to 0.05 px");
   EXPECT_EQ(knocked.values.at("rms before correction (px)"), "1.150");
   EXPECT_EQ(knocked.values.at("rms after correction (px)"), "0.050");
   EXPECT_EQ(knocked.values.at("matches"), "200");

@@ -28,7 +28,7 @@ TEST(SyncAdvice, CamerasWithoutTriggerNeedApproximateSync) {
                        {"approximate_sync to true", "approximate_sync_max_interval_s to 0.03"}));
   EXPECT_TRUE(mentions(syncAdvice(kEqual, apart(0.4, 1)), {"_max_interval_s to 0.6"}));
   EXPECT_TRUE(mentions(syncAdvice(kClose, apart(0.02)),
-                       {"raise", "approximate_sync_max_interval_s from 0.01 to 0.03"}));
+                       {"increase", "approximate_sync_max_interval_s from 0.01 to 0.03"}));
 }
 
 TEST(SyncAdvice, ClocksThatDifferNeedToBeSynchronized) {

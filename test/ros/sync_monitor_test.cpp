@@ -38,8 +38,8 @@ TEST(SyncMonitor, SaysWhichTopicsArriveAtWhatRates) {
   receiveTenSeconds(monitor, 2, 0);
   const std::string report = monitor.report(at(10), kStates);
   EXPECT_TRUE(mentions(report, {"10 s", "/s/left 10.0 Hz", "/s/left_info 10.0 Hz",
-                                "/s/right nothing (it has a publisher)",
-                                "/s/right_info nothing (nobody publishes it)"}));
+                                "/s/right no message (it has a publisher)",
+                                "/s/right_info no message (no publisher)"}));
   EXPECT_EQ(report.find("approximate_sync"), std::string::npos) << report;  // not the cause
 }
 
@@ -50,7 +50,7 @@ TEST(SyncMonitor, SaysHowFarStampsAreApart) {
   const std::string report = monitor.report(at(10), kStates);
   EXPECT_TRUE(mentions(report, {"/s/left 10.0 Hz,", "/s/left_info 10.0 Hz,",
                                 "/s/right 10.0 Hz (stamps 8.0 ms from the first topic's),",
-                                "; stamps have to be equal", "approximate_sync to true",
+                                "; the stamps are not equal", "approximate_sync to true",
                                 "approximate_sync_max_interval_s to 0.012"}));
 }
 
@@ -97,7 +97,7 @@ TEST(SyncMonitor, AsksForCalibrations) {
   monitor.received(kSecond, ros::Time(1));
   monitor.received(kFirstInfo, ros::Time(0));
   const std::string report = monitor.report(at(10), kStates);
-  EXPECT_TRUE(mentions(report, {"/s/right_info nothing (nobody publishes it); each camera needs",
+  EXPECT_TRUE(mentions(report, {"/s/right_info no message (no publisher); each camera needs",
                                 "publish /s/right_info with every image or once (latched)"}));
   EXPECT_EQ(report.find("queue_size"), std::string::npos) << report;
 }
@@ -109,7 +109,7 @@ TEST(SyncMonitor, OneCalibrationIsEnough) {
   monitor.received(kSecondInfo, ros::Time(0));
   monitor.synchronized(at(1));
   const std::string report = monitor.report(at(10), kStates);
-  EXPECT_TRUE(mentions(report, {"/s/right_info nothing new (the last one is used)"}));
+  EXPECT_TRUE(mentions(report, {"/s/right_info no new message (the last one is used)"}));
   EXPECT_EQ(report.find("calibration"), std::string::npos) << report;
 }
 
@@ -118,7 +118,8 @@ TEST(SyncMonitor, NamesWhatToRemap) {
   monitor.restart(at(0));
   EXPECT_TRUE(mentions(
       monitor.report(at(10), {{{"/a", false}, {"/a_info", true}, {"/b", true}, {"/b_info", true}}}),
-      {"/a nothing (nobody publishes it)", "rostopic list, and remap /a;"}));
+      {"/a no message (no publisher)",
+       "; remap /a to the image topics (rostopic list shows them)"}));
 }
 
 TEST(SyncMonitor, ASetBeginsAnew) {
@@ -127,7 +128,7 @@ TEST(SyncMonitor, ASetBeginsAnew) {
   receiveTenSeconds(monitor, 4, 0);
   monitor.synchronized(at(9));
   EXPECT_EQ(monitor.report(at(10), kStates), "");
-  EXPECT_TRUE(mentions(monitor.report(at(14), kStates), {"/s/left nothing"}));
+  EXPECT_TRUE(mentions(monitor.report(at(14), kStates), {"/s/left no message"}));
 }
 
 TEST(SyncMonitor, SlowCamerasAreReportedSeldom) {
@@ -152,7 +153,7 @@ TEST(SyncMonitor, ReportsStampsOnce) {
     monitor.received(kSecondInfo, ros::Time(5));  // may be the same for all images
   }
   EXPECT_EQ(monitor.reportStamps(kNames),
-            "stamps went back on /a (2.500 s), stamps came twice on /b (2 times)");
+            "stamps went back on /a (2.500 s), stamps were repeated on /b (2 times)");
   EXPECT_EQ(monitor.reportStamps(kNames), "");
   monitor.restart(at(1));
   monitor.received(kFirst, ros::Time(1));

@@ -18,14 +18,14 @@ TEST(UnknownNames, HaveANearestOne) {
 }
 
 TEST(UnknownNames, OfLaunchFilesAreDescribed) {
-  const auto sentences =
+  const auto messages =
       describeUnknownArguments("queue_sise disparity_range : left queue_size", kParameters);
-  ASSERT_EQ(sentences.size(), 2U);
-  EXPECT_EQ(sentences[0],
-            "queue_sise is not an argument of the launch file and is ignored; "
-            "nearest known name: queue_size");
-  EXPECT_TRUE(mentions(sentences[1], {"disparity_range is not an argument",
-                                      "nearest known name: disparity_range, a parameter"}));
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(
+      messages[0],
+      "queue_sise is not an argument of the launch file and is ignored. Did you mean queue_size?");
+  EXPECT_TRUE(mentions(messages[1], {"disparity_range is not an argument",
+                                     "Did you mean disparity_range? It is a parameter"}));
 }
 
 TEST(UnknownNames, MayBeNone) {

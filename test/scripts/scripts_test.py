@@ -50,14 +50,14 @@ class TestOn(ScriptTest):
         self.refuses("test_on", says="expected bullseye, bookworm or trixie")
         self.refuses("test_on", "focal", says="the release is 'focal'")
         self.refuses("test_on", "trixie", "--compiler", says="--compiler has no value")
-        self.refuses("test_on", "trixie", "--only", "build", says="--only is build; expected demo, test or workspace")
-        self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none; expected a folder")
+        self.refuses("test_on", "trixie", "--only", "build", says="--only is build, expected demo, test or workspace")
+        self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none, expected a folder")
 
 
 class Soak(ScriptTest):
     def test_wrong_arguments(self):
-        self.refuses("soak", "--size", "640", says="--size is 640; WIDTHxHEIGHT")
-        self.refuses("soak", "--factors", "1,x", says="--factors is 1,x; numbers")
+        self.refuses("soak", "--size", "640", says="--size is 640, expected WIDTHxHEIGHT")
+        self.refuses("soak", "--factors", "1,x", says="--factors is 1,x, expected numbers")
 
     def test_missing_program(self):
         self.refuses("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
@@ -149,7 +149,7 @@ class ConfidencePictures(ScriptTest):
         for name in ("depth_sigma.pfm", "disparity.pfm", "confidence.pfm"):
             (self.folder / name).write_text("P5 2 2", encoding="utf-8")
         self.refuses("confidence_pictures", "--maps", self.folder, self.folder, "--output",
-                     self.folder, says="depth_sigma.pfm is no map")
+                     self.folder, says="depth_sigma.pfm is not a map")
 
 
 class Benchmark(ScriptTest):
@@ -188,7 +188,7 @@ class Benchmark(ScriptTest):
         keep = ("--keep", "times", "memory", "poles", "accuracy", "kitti")
         self.refuses_with(self.folder / "output/benchmark.json", *keep, CBMV_DATA=self.folder)
         (self.folder / "output/benchmark.json").write_text("{")
-        self.refuses_with("is no JSON", *keep, CBMV_DATA=self.folder)
+        self.refuses_with("is not valid JSON", *keep, CBMV_DATA=self.folder)
 
 
 CHECK = """#!/bin/sh
@@ -285,10 +285,10 @@ class Cluster(ScriptTest):
             (nothing / tool).symlink_to(f"/usr/bin/{tool}")
         (nothing / "cbmv_bag").symlink_to(self.folder / "programs/cbmv_bag")
         self.refuses_to_submit(self.bag, self.output, says="sbatch is not on the PATH", path=nothing)
-        self.refuses_to_submit(self.folder / "none.bag", self.output, says="there is no bag")
+        self.refuses_to_submit(self.folder / "none.bag", self.output, says="none.bag does not exist")
         self.refuses_to_submit(self.bag, self.folder, says="is a folder")
         self.refuses_to_submit(self.bag, nothing / "none/out.bag", says="does not exist")
-        self.refuses_to_submit(self.bag, self.output, "--shard", "1/2", says="--shard is chosen here")
+        self.refuses_to_submit(self.bag, self.output, "--shard", "1/2", says="--shard is set by submit")
         self.make_program("cbmv_bag", "#!/bin/sh\necho cbmv_bag: in.bag: no stereo pair >&2; exit 2\n")
         self.refuses_to_submit(self.bag, self.output, says="in.bag: no stereo pair")
         self.assertFalse(self.shards.exists())

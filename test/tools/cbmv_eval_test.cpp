@@ -52,7 +52,7 @@ class EvalTest : public testing::Test {
   /// Expects one line for scene Two with the file name, and a final line; One is scored.
   void expectOnlyOne(const std::string& file, const std::string& what) const {
     expectRefusal(evaluate("--json " + path("r.json")),
-                  {"scene Two is left out", path(file), what, "1 of 2 scenes are left out"}, 2);
+                  {"scene Two failed", path(file), what, "1 of 2 scenes failed"}, 2);
     const EvaluationReport report = readJsonReport(path("r.json"));
     ASSERT_EQ(report.scenes.size(), 1U);
     EXPECT_EQ(report.scenes[0].scene, "One");
@@ -150,7 +150,7 @@ TEST_F(EvalTest, WithoutMatplotlibAllButThePageIsThere) {
   fs::create_directory(path("python"));
   std::ofstream(path("python/matplotlib.py")) << "raise ImportError('none here')\n";
   expectRefusal(evaluate("--report " + path("page"), "PYTHONPATH=" + path("python")),
-                {"The page is not made", "python3-matplotlib"});
+                {"The page cannot be written", "python3-matplotlib"});
   EXPECT_FALSE(fs::exists(path("page/index.html")));
   EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
   EXPECT_TRUE(fs::exists(path("page/maps/Two_error.jpg")));
@@ -212,7 +212,7 @@ TEST_F(EvalTest, TestScenesAloneHaveAnUploadButNoPage) {
   fs::remove(path("testQ/One/disp0GT.pfm"));
   fs::remove(path("testQ/Two/disp0GT.pfm"));
   expectRefusal(evaluate("--json " + path("r.json")),
-                {"scene One is left out", "Two/disp0GT.pfm", "2 of 2"}, 3);
+                {"scene One failed", "Two/disp0GT.pfm", "2 of 2"}, 3);
   const Outcome outcome = evaluate("--submission " + path("upload") + " --report " + path("page"));
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_TRUE(fs::exists(path("upload/testQ/Two/disp0CBMV.pfm")));

@@ -109,7 +109,7 @@ TEST_F(ToolsTest, MatchWarnsOfRowsThatAreApart) {
   EXPECT_EQ(run("cbmv_match", path("high.png") + " " + path("aligned.png") + rest).output, "");
   const Outcome outcome = run("cbmv_match", path("high.png") + " " + path("low.png") + rest);
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.output, testing::HasSubstr("px apart, expected at most 1.00 px"));
+  EXPECT_THAT(outcome.output, testing::HasSubstr("px (RMS), expected at most 1.00 px"));
   EXPECT_THAT(outcome.output, testing::HasSubstr(path("low.png")));
 }
 
@@ -191,7 +191,7 @@ TEST_F(ToolsTest, MatchSaysWhatIsWrongWithTheCalibration) {
   camera.width = 160;
   camera.height = 100;
   writeCameraYaml(path("left.yaml"), camera);
-  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right one"});
+  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right camera"});
   writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 320, 200, 32});
   expectRefusal(run("cbmv_match", rest + path("calib.txt")),
                 {path("calib.txt"), "320 x 200 px", path("left.png"), "160 x 100 px"});
@@ -279,7 +279,7 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   for (const char* option : {"maps", "report", "submission"}) {
     const std::string folder = path("text.png/folder");
     expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
-                  {folder, path("text.png") + " is none"});
+                  {folder, path("text.png") + " is not a folder"});
   }
 }
 
@@ -295,7 +295,7 @@ TEST_F(ToolsTest, NoOutputIsAnInput) {
   std::filesystem::create_hard_link(forest, path("link"));
   const std::string list = "--dataset list:" + path("list.txt");
   const std::string with_forest = " --forest " + forest;
-  const std::string lost = "which would be lost";
+  const std::string lost = "would overwrite the input";
   for (const char* option : {"json", "csv", "markdown"}) {
     expectRefusal(run("cbmv_eval", data + with_forest + " --" + option + " " + path("link")),
                   {path("link"), forest, lost});
@@ -351,12 +351,12 @@ TEST_F(ToolsTest, KnowPresetsAndForestsByName) {
   const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest;
   EXPECT_EQ(run("cbmv_match", pair + " --preset realtime --output " + path("out")).status, 0);
   expectRefusal(run("cbmv_match", pair + " --preset fast --output " + path("out")),
-                {"no preset 'fast'", "balanced, ", "realtime", "path"});
+                {"unknown preset 'fast'", "balanced, ", "realtime", "path"});
   expectRefusal(run("cbmv_eval", data + " --forest small"),
-                {"no forest 'small'", "middlebury_small", "path"});
+                {"unknown forest 'small'", "middlebury_small", "path"});
   expectRefusal(run("cbmv_tune",
                     data + " --forest " + kForest + " --start fast --output " + path("tuned.yaml")),
-                {"no preset 'fast'"});
+                {"unknown preset 'fast'"});
 }
 
 TEST_F(ToolsTest, TuneWritesAPreset) {

@@ -1,7 +1,9 @@
 // Processes bags of a stereo camera.
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,6 +19,7 @@
 #include "io/other_file.h"
 #include "io/output_check.h"
 #include "offline/bag_check.h"
+#include "offline/bag_writer.h"
 #include "offline/conversion.h"
 #include "tools/program_files.h"
 #include "tools/progress_bar.h"
@@ -46,7 +49,7 @@ void writeJson(const std::string& path, const std::string& json) {
   file << json;
   file.close();
   if (!file) {
-    throw Error("cannot write " + path);
+    throw cannotWrite(path, std::strerror(errno));
   }
 }
 
@@ -67,7 +70,7 @@ void reportOutput(const std::string& output, const ConversionSummary& summary) {
   for (const std::string& problem : summary.problems) {
     std::fprintf(stderr, "%s: %s\n", kTool, problem.c_str());
   }
-  const char* text = summary.interrupted   ? "%s is not complete; --resume goes on\n"
+  const char* text = summary.interrupted   ? "%s is incomplete. Use --resume to continue\n"
                      : summary.was_written ? "wrote %s\n"
                                            : "nothing was written to %s\n";
   std::printf(text, output.c_str());
@@ -124,7 +127,7 @@ int convert(Arguments& arguments) {
   }
   options.earlier = arguments.overwrite ? EarlierParts::kOverwrite
                     : arguments.resume  ? EarlierParts::kResume
-                                        : EarlierParts::kRefuse;
+                                        : EarlierParts::kReject;
   const auto forest = loadForest(forestFile(arguments.forest));
   ConversionSummary summary;
   {
@@ -168,17 +171,18 @@ int merge(const MergeOptions& options) {
   const MergeSummary summary = mergeShards(options);
   std::printf("wrote %s: %zu shards, %zu frames, of which %zu failed%s\n", options.output.c_str(),
               summary.shards, summary.frames, summary.failed,
-              summary.damaged ? "; the recording is damaged" : "");
+              summary.damaged ? "; an input bag is damaged" : "");
   return summary.isComplete() ? 0 : kIncomplete;
 }
 
 void addInput(CLI::App& app, Arguments& arguments) {
   ConversionOptions& options = arguments.conversion;
-  app.add_option("bags", options.inputs, "Bags of one recording, processed as one")->required();
+  app.add_option("bags", options.inputs, "Bags of one recording (processed as one bag)")
+      ->required();
   app.add_option("--left", options.topics.left, "Topic of the left images");
   app.add_option("--right", options.topics.right, "Topic of the right images");
   app.add_option("--namespace", options.topics.camera_namespace,
-                 "Namespace of left/… and right/…, and of what is written");
+                 "Namespace of left/… and right/…, and of the outputs");
   const std::map<std::string, Rectified> rectified = {
       {"auto", Rectified::kAuto}, {"yes", Rectified::kYes}, {"no", Rectified::kNo}};
   app.add_option_function<std::string>(
@@ -186,8 +190,8 @@ void addInput(CLI::App& app, Arguments& arguments) {
          [&options, rectified](const std::string& answer) {
            options.topics.rectified = rectified.at(answer);
          },
-         "Whether the images are rectified; auto: those whose topic's name holds \"rect\". Others "
-         "are rectified first")
+         "Whether the images are rectified; auto: yes if both topic names contain \"rect\". Raw "
+         "images are rectified first")
       ->check(CLI::IsMember(rectified))
       ->default_str("auto");
   CLI::Option* const calibration = app.add_option(
@@ -198,14 +202,14 @@ void addInput(CLI::App& app, Arguments& arguments) {
                  "YAML of the right camera")
       ->needs(calibration);
   app.add_option("--max-stamp-difference-s", options.plan.max_stamp_difference_s,
-                 "Between the images of a pair; 0: none")
+                 "Largest stamp difference between the images of a pair; 0: equal stamps only")
       ->check(nonNegativeNumber())
       ->capture_default_str();
-  app.add_option("--start", options.plan.start_s, "Seconds of the recording that are left out")
+  app.add_option("--start", options.plan.start_s, "Seconds to skip at the start")
       ->check(nonNegativeNumber());
   app.add_option("--duration", options.plan.duration_s, "Seconds to process; 0: to the end")
       ->check(nonNegativeNumber());
-  app.add_option("--every", options.plan.every, "Process one of so many pairs")
+  app.add_option("--every", options.plan.every, "Process only every n-th pair")
       ->check(wholeNumber(1))
       ->capture_default_str();
 }
@@ -215,27 +219,27 @@ void addMatching(CLI::App& app, Arguments& arguments) {
   app.add_option("--forest", arguments.forest, kForestHelp)->required();
   addStereoOptions(app, arguments.stereo);
   app.add_option("--min-confidence", options.min_confidence,
-                 "Pixels of a lower confidence have no disparity")
+                 "Pixels with a lower confidence become invalid")
       ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--allow-different-frame-ids,!--refuse-different-frame-ids",
                options.allow_different_frame_ids,
-               "Whether pairs are taken whose images differ in frame_id: yes, unless refused");
+               "Accept pairs with different frame_ids (default: yes)");
 }
 
 void addCompression(CLI::App& app, std::string& compression) {
-  app.add_option("--compression", compression, "Of the output: none, lz4 or bz2")
+  app.add_option("--compression", compression, "Compression of the output bag: none, lz4 or bz2")
       ->capture_default_str();
 }
 
 /// `check` accepts the options of processing, but requires none of them.
 void addOutput(CLI::App& app, Arguments& arguments, bool check) {
   ConversionOptions& options = arguments.conversion;
-  app.add_option("--output", options.output, "The bag to write, or the folder, see --format")
+  app.add_option("--output", options.output, "Bag or folder to write, see --format")
       ->required(!check);
   app.add_option("--format", arguments.format,
-                 "bag; files: one a frame and output, PFM, PNG, PLY and YAML; kitti: the same, but "
-                 "disparities as KITTI's PNG; auto: files where --output ends with / or is a "
-                 "folder, else a bag")
+                 "bag; files: one file per frame and output (PFM, PNG, PLY, YAML); kitti: like "
+                 "files, with disparities as KITTI PNG; auto: files if --output ends with / or is "
+                 "a folder, otherwise bag")
       ->check(CLI::IsMember({"auto", "bag", "files", "kitti"}))
       ->capture_default_str();
   app.add_option(
@@ -245,12 +249,13 @@ void addOutput(CLI::App& app, Arguments& arguments, bool check) {
       ->delimiter(',')
       ->capture_default_str();
   addCompression(app, options.compression);
-  app.add_flag("--copy", options.copy, "Copy the other topics");
-  app.add_option("--shard", arguments.shard, "Process the second of four equal parts only: 2/4");
-  app.add_flag("--resume", arguments.resume, "Go on where an earlier run was stopped or killed");
-  app.add_flag("--overwrite", arguments.overwrite, "Begin anew, whatever there is");
+  app.add_flag("--copy", options.copy, "Copy the other topics of the input (bag output only)");
+  app.add_option("--shard", arguments.shard,
+                 "Process only one of several equal parts, for example 2/4");
+  app.add_flag("--resume", arguments.resume, "Continue an earlier run that was stopped or killed");
+  app.add_flag("--overwrite", arguments.overwrite, "Start again and replace existing output");
   app.add_option("--frames-per-part", options.frames_per_part,
-                 "A run that is killed loses at most so many frames")
+                 "Maximum number of frames lost when the run is killed")
       ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "File for the summary");
@@ -268,7 +273,7 @@ void keepFreedMemory() {
 }
 
 int runMerge(int argc, char** argv) {
-  CLI::App app{"One bag from those that were written with --shard"};
+  CLI::App app{"Merges the bags written with --shard into one bag"};
   MergeOptions options;
   app.add_option("bags", options.shards, "The bags of all shards, in any order")->required();
   app.add_option("--output", options.output, "The bag to write")->required();
@@ -280,16 +285,16 @@ int runMerge(int argc, char** argv) {
 }
 
 int runCheckOrConvert(int argc, char** argv, bool is_check) {
-  CLI::App app{is_check ? "Looks at the recording of a stereo camera: pairs, calibration, cost"
-                        : "Disparity, depth and clouds for the recording of a stereo camera"};
+  CLI::App app{is_check ? "Checks bags of a stereo camera: pairs, calibration, processing time"
+                        : "Computes disparity, depth and point clouds for bags of a stereo camera"};
   Arguments arguments;
   addInput(app, arguments);
   addMatching(app, arguments);
   addOutput(app, arguments, is_check);
   if (!is_check) {
     app.footer(
-        "`cbmv_bag check BAG...` looks at a recording and processes nothing; `cbmv_bag merge "
-        "BAG...` makes one bag from those of all shards.");
+        "`cbmv_bag check BAG...` checks bags without processing them; `cbmv_bag merge BAG...` "
+        "merges the bags of all shards.");
   }
   int status = 0;
   const int error_status = runTool(

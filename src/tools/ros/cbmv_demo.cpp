@@ -52,7 +52,8 @@ void makeBag(const MakeBagArguments& arguments) {
   const cv::Mat right = readColorImage(arguments.right);
   const StereoCalibration calibration = readMiddleburyCalibration(arguments.calibration);
   if (left.size() != right.size()) {
-    throw Error(arguments.left + " and " + arguments.right + " differ in size");
+    throw Error(arguments.left + " and " + arguments.right +
+                " have different sizes, expected equal sizes. Give the images of one pair");
   }
   rosbag::Bag bag;
   bag.open(arguments.output, rosbag::bagmode::Write);
@@ -120,8 +121,8 @@ Recording readRecording(const std::string& path) {
   if (!recording.disparity || !recording.confidence || !recording.points ||
       recording.statuses.empty()) {
     throw Error("bag " + path +
-                ": lacks one of /stereo/disparity, confidence, points2, status; the node published "
-                "no complete frame");
+                ": no message on one of /stereo/disparity, confidence, points2, status, expected "
+                "all of them. The node published no complete frame; see its log");
   }
   return recording;
 }
@@ -233,10 +234,10 @@ int main(int argc, char** argv) {
       ->required();
 
   cbmv::MakeBagArguments bag;
-  CLI::App* make_bag = app.add_subcommand("make-bag", "Writes a bag in which the pair repeats");
+  CLI::App* make_bag = app.add_subcommand("make-bag", "Writes a bag that repeats the pair");
   make_bag->add_option("left", bag.left, "Left image file")->required();
   make_bag->add_option("right", bag.right, "Right image file")->required();
-  make_bag->add_option("--calibration", bag.calibration, "calib.txt as Middlebury v3 has it")
+  make_bag->add_option("--calibration", bag.calibration, "calib.txt in Middlebury v3 format")
       ->required();
   make_bag->add_option("--output", bag.output, "The bag to write")->required();
   make_bag->add_option("--frames", bag.frames)
@@ -247,7 +248,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
 
   cbmv::ReportArguments recorded;
-  CLI::App* report = app.add_subcommand("report", "Shows what a node made of such a bag");
+  CLI::App* report = app.add_subcommand("report", "Shows the results of a node for this bag");
   report->add_option("bag", recorded.bag, "Bag recorded from the node")->required();
   report->add_option("--left", recorded.left, "Left image file of the pair")->required();
   report->add_option("--truth", recorded.truth, "PFM file of the true left disparities")
@@ -257,8 +258,9 @@ int main(int argc, char** argv) {
 
   cbmv::CalibrateArguments raw;
   CLI::App* calibrate = app.add_subcommand(
-      "calibrate", "Calibrates a rig by pairs that show a chessboard, and writes a bag of them");
-  calibrate->add_option("folder", raw.folder, "Holds left01.jpg, right01.jpg and so on (or .png)")
+      "calibrate", "Calibrates a stereo rig from chessboard images and writes them to a bag");
+  calibrate
+      ->add_option("folder", raw.folder, "Folder with left01.jpg, right01.jpg and so on (or .png)")
       ->required();
   calibrate->add_option("--output", raw.output, "Folder for left.yaml, right.yaml, raw.bag")
       ->required();
@@ -277,7 +279,7 @@ int main(int argc, char** argv) {
 
   cbmv::ShowRawArguments shown;
   CLI::App* show_raw =
-      app.add_subcommand("show-raw", "Left images as rectified, beside the disparities");
+      app.add_subcommand("show-raw", "Rectified left images beside the disparities");
   show_raw->add_option("bag", shown.bag, "Bag recorded from the node")->required();
   show_raw->add_option("--output", shown.output, "The picture to write")->required();
   show_raw->add_option("--frames", shown.frames)

@@ -41,7 +41,9 @@ std::vector<std::pair<std::string, std::string>> pairsIn(const std::string& fold
     }
   }
   if (pairs.empty()) {
-    throw Error(folder + " holds no pairs; left01.jpg and right01.jpg (or .png) would be one");
+    throw Error(folder +
+                " has no image pairs, expected files such as left01.jpg and right01.jpg (or .png). "
+                "Check the folder");
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
@@ -62,7 +64,8 @@ sensor_msgs::CameraInfo toCameraInfo(const CalibratedCamera& camera, cv::Size si
 void writeCameraFile(const std::string& path, const std::string& name,
                      const sensor_msgs::CameraInfo& info) {
   if (!camera_calibration_parsers::writeCalibration(path, name, info)) {
-    throw Error("cannot write " + path);
+    throw Error("cannot write " + path +
+                ". Check that the folder exists, is writable and has free space");
   }
 }
 
@@ -142,7 +145,8 @@ void calibrate(const CalibrateArguments& arguments) {
     pairs.emplace_back(readGrayImage(left), readGrayImage(right));
     if (pairs.back().first.size() != pairs.front().first.size() ||
         pairs.back().second.size() != pairs.front().first.size()) {
-      throw Error("images of the pair " + left + " do not have the size of the first pair");
+      throw Error("the images of pair " + left +
+                  " have another size than the first pair, expected equal sizes. Remove this pair");
     }
   }
   const CalibratedRig rig = calibratePairs(pairs, arguments.board);
@@ -173,16 +177,15 @@ void showRaw(const ShowRawArguments& arguments) {
     }
   }
   if (rows.empty()) {
-    throw Error("bag " + arguments.bag + ": no disparity belongs to a left image");
+    throw Error("bag " + arguments.bag +
+                ": no disparity has the stamp of a left image. Record both from the same run");
   }
   cv::Mat picture;
   cv::vconcat(rows, picture);
   writeImage(arguments.output, picture);
   const auto& measured = recording.rectification;
-  std::printf(
-      "%zu frames; rows as the node measured them: %.3f px apart (root mean square of %d "
-      "matches)\n",
-      recording.disparities.size(), measured.rms_before_px, measured.matches);
+  std::printf("%zu frames; vertical offset measured by the node: %.3f px (RMS of %d matches)\n",
+              recording.disparities.size(), measured.rms_before_px, measured.matches);
   std::printf("wrote %s\n", arguments.output.c_str());
 }
 
