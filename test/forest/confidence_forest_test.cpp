@@ -25,11 +25,11 @@ TEST(ConfidenceForest, TakesTheFeaturesItWasTrainedOn) {
 TEST(ConfidenceForest, NamesTheFirstFeatureThatDiffers) {
   EXPECT_TRUE(
       mentions(faultOf({"f0", "x", "f2"}), {"some.forest", "feature 1 of the selection forest",
-                                            "\"f1\"", "expects \"x\"", "cbmv_train"}));
-  EXPECT_TRUE(mentions(faultOf({"f0", "f2", "f1"}), {"feature 1", "\"f1\"", "expects \"f2\""}));
-  EXPECT_TRUE(mentions(faultOf({"f0", "f1"}), {"feature 2", "\"f2\"", "expects 2 features"}));
+                                            "\"f1\"", "expected \"x\"", "cbmv_train"}));
+  EXPECT_TRUE(mentions(faultOf({"f0", "f2", "f1"}), {"feature 1", "\"f1\"", "expected \"f2\""}));
+  EXPECT_TRUE(mentions(faultOf({"f0", "f1"}), {"feature 2", "\"f2\"", "expected 2 features"}));
   EXPECT_TRUE(
-      mentions(faultOf({"f0", "f1", "f2", "f3"}), {"feature 3", "is missing", "expects \"f3\""}));
+      mentions(faultOf({"f0", "f1", "f2", "f3"}), {"feature 3", "is missing", "expected \"f3\""}));
 }
 
 }  // namespace
