@@ -183,6 +183,14 @@ RawCamera::RawCamera(const sensor_msgs::CameraInfo& info, const std::string& top
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // thrown by OpenCV or image_geometry
+    if (calibration.distortion_model == "equidistant") {
+      failCalibration(names,
+                      std::string("has the distortion model equidistant, which the installed "
+                                  "image_geometry cannot rectify (") +
+                          error.what() +
+                          "). Expected image_geometry 1.16 or newer. Rectify the images "
+                          "first, and use --rectified yes.");
+    }
     failCalibration(names,
                     std::string("cannot be used: ") + error.what() + ". Correct the calibration.");
   }
