@@ -1,5 +1,4 @@
 # Install paths: catkin's layout with ROS, the standard layout without.
-include(GNUInstallDirs)
 if(CBMV_BUILD_ROS)
   set(library_destination ${CATKIN_PACKAGE_LIB_DESTINATION})
   set(program_destination ${CATKIN_PACKAGE_BIN_DESTINATION})
