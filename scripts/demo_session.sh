@@ -49,8 +49,7 @@ open_session() {  # FOLDER
   . build/devel/setup.bash
   set -u
   local port
-  port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0))
-print(s.getsockname()[1])')
+  port=$(free_port)
   export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$session_folder/log
   unset ROS_HOSTNAME
   trap close_session EXIT

@@ -14,3 +14,14 @@ configure() {
     -DCBMV_BUILD_TOOLS=ON -DCBMV_BUILD_TRAINING=ON -DCBMV_DEVELOPER=ON -DBUILD_TESTING=ON \
     "$@" "${extra[@]}"
 }
+
+# Prints a free port of 127.0.0.1.
+free_port() {
+  /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
+
+# Prints the mirror of Debian that apt uses. Fails if there is none.
+debian_mirror() {
+  apt-get indextargets --format '$(REPO_URI)' 'Label: Debian' |
+    awk 'NR == 1 { print } END { exit NR == 0 }'
+}
