@@ -11,7 +11,7 @@ struct CBMV_API RectificationOptions {
   double max_offset_px = 4.0;  ///< largest vertical distance in the search for matches
   int max_features = 600;      ///< largest number of corners of the left image
   int min_matches = 40;        ///< no estimate with fewer consistent matches
-  /// Corrections whose root mean square over the image is smaller are not applied. Aliasing alone
+  /// Smallest root mean square over the image of a correction that is applied. Aliasing alone
   /// biases subpixel offsets by about half of this value, and resampling costs sharpness.
   double min_correction_px = 0.1;
   double interval_s = 1.0;  ///< RectificationTracker: time between estimates

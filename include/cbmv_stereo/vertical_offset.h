@@ -74,9 +74,9 @@ CBMV_API VerticalOffsetMeasurement measureVerticalOffset(const cv::Mat& left, co
                                                          const DisparityRange& range,
                                                          const RectificationOptions& options);
 
-/// Returns the rectification correction for images of `size`: the measured model, or the zero model
-/// (with the fields about the matches) if the correction is smaller than options.min_correction_px
-/// or than its uncertainty.
+/// Returns the rectification correction for images of `size`. This is the measured model, unless
+/// its correction is smaller than options.min_correction_px or than its uncertainty. Then it is the
+/// zero model, which keeps the fields about the matches.
 CBMV_API VerticalOffset toCorrection(const VerticalOffsetMeasurement& measurement, cv::Size size,
                                      const RectificationOptions& options);
 

@@ -23,7 +23,7 @@ namespace cbmv {
 ///                 disparities, 64 per px), and the difference between the disparity and its mean
 ///                 (compressed, 8 per px)
 ///   *_12, _20, _36   the same over 3, 5 and 9 cells of 4 px
-/// Compressed values are unchanged up to 128, and count 1/16 beyond (compressed()).
+/// Compressed values (compressed()) are unchanged up to 128; above, they rise by 1 per 16.
 const std::vector<std::string>& confidenceFeatureNames();
 
 /// Index of the feature that defines the roughness bins of the standard deviation model.

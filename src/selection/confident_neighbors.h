@@ -35,7 +35,7 @@ class ConfidentNeighbors {
     std::vector<std::uint8_t> right_distance;
   };
 
-  /// `disparity` is CV_16SC1, `confidence` is CV_8UC1. Both must not change afterwards. Parallel
+  /// `disparity` is CV_16SC1, `confidence` is CV_8UC1. Neither may change afterwards. Parallel
   /// over columns by oneTBB.
   void find(const cv::Mat& disparity, const cv::Mat& confidence);
 

@@ -34,17 +34,18 @@ struct SelectionSwitches {
 /// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
 /// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
 /// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and
-/// its probability becomes the confidence. Pixels of thin objects (isThin) that passed the
-/// left-right check take none that is farther. A median of 3 × 3 px removes what stands alone then.
+/// its probability becomes the confidence. A pixel of a thin object (isThin) that
+/// passed the left-right consistency check never takes a farther disparity. Afterwards a median of
+/// 3 × 3 px removes isolated disparities.
 ///
 /// Holds its memory from pair to pair, so one object serves one pair at a time.
 class MapSelector {
  public:
-  /// Memory for an image of so many pixels and columns, with a confidence forest, and with a
-  /// selection forest, too, if `replaces`.
+  /// Memory in bytes for an image with this number of pixels and this width in px: of the
+  /// confidence forest and, if `replaces`, of the selection forest.
   static double memoryBytes(double pixels, double width, double threads, bool replaces);
 
-  /// Of a forest that has a confidence forest; without a selection forest no disparity is replaced.
+  /// `forest` must have a confidence forest. Without a selection forest, no disparity is replaced.
   /// Throws Error if features differ (requireFeatures).
   explicit MapSelector(std::shared_ptr<const Forest> forest);
 
