@@ -70,6 +70,10 @@ struct RefinementOptions {
   float bilateral_threshold_px = 1.3F;        ///< blur_t, px of disparity
   bool second_forest = true;  ///< calibrated confidence, if the forest file has a second forest
   bool replace_improbable = true;  ///< use disparities of confident neighbors; needs second_forest
+  /// Recalibration of the second forest's confidence: its log-odds are multiplied by the scale, then
+  /// the shift is added. It changes no disparity.
+  float confidence_scale = 1.0F;
+  float confidence_shift = 0.0F;
   int speckle_size_px = 0;         ///< pixels; regions of at most this size become invalid; 0: off
   int speckle_range_px = 4;        ///< px of disparity; a larger difference separates regions
 };

@@ -94,7 +94,7 @@ class SecondForestTrainer {
     group_of_ = crossFittingGroups(names, options.second.groups);
     groups_ = names.empty() ? 0 : 1 + *std::max_element(group_of_.begin(), group_of_.end());
     const auto maps = static_cast<long>(scenes.size() * options.second.matching.size());
-    pixels_ = std::min(options.second.pixels_per_scene, options.max_samples / std::max(maps, 1L));
+    pixels_ = std::min(options.second.pixels_per_scene, options.maxSamples() / std::max(maps, 1L));
   }
 
   void train(Forest& forest) {
