@@ -37,8 +37,8 @@ void setRange(const std::string& node) {
   ASSERT_TRUE(ros::service::call(node + "/set_parameters", call));
 }
 
-/// Whether the manager has loaded all nodelets. Until then, nodelet 1.10.0 (Debian 11) discards calls
-/// of the services of stereo_image_proc.
+/// Whether the manager has loaded all nodelets. Until then, nodelet 1.10.0 (Debian 11) discards
+/// calls of the services of stereo_image_proc.
 bool allAreLoaded() {
   nodelet::NodeletList list;
   return ros::service::call("/manager/list", list) && list.response.nodelets.size() == 4;
