@@ -130,7 +130,8 @@ std::string checkJson(const BagCheck& check) {
   return json.dump(2) + "\n";
 }
 
-BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest) {
+BagCheck checkBags(const BagProcessingOptions& options,
+                   const std::shared_ptr<const Forest>& forest) {
   const BagSet bags(options.inputs);
   const FramePlan plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
   compressionOf(options.compression);

@@ -6,7 +6,7 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 
 namespace cbmv {
 
@@ -26,6 +26,7 @@ std::string checkJson(const BagCheck& check);
 /// Checks inputs, topics, plan and matching of `options`: the content of the bags, whether the
 /// pairs synchronize, whether the calibration is plausible, and the expected processing time,
 /// measured on the middle pair. Throws Error if the bags have no stereo camera.
-BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest);
+BagCheck checkBags(const BagProcessingOptions& options,
+                   const std::shared_ptr<const Forest>& forest);
 
 }  // namespace cbmv
