@@ -8,7 +8,25 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "optimization/inside_disparities.h"
+#ifndef CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
+#define CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
+namespace cbmv {
+namespace {
+
+/// Indices [start, end) of the disparities of column x whose match is inside of the other image,
+/// which is `width` pixels wide. Empty if there are none.
+cv::Range insideDisparities(View view, const DisparityRange& range, int x, int width) {
+  // The disparities that match the first and the last column of the other image.
+  const int lowest = view == View::kLeft ? x - (width - 1) : -x;
+  const int highest = view == View::kLeft ? x : width - 1 - x;
+  const int start = std::clamp(lowest - range.min, 0, range.count);
+  const int end = std::clamp(highest - range.min + 1, start, range.count);
+  return {start, end};
+}
+
+}  // namespace
+}  // namespace cbmv
+#endif  // CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/winner_takes_all.cpp"

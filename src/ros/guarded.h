@@ -18,4 +18,18 @@ void guarded(const std::string& name, const Callback& callback) {
   }
 }
 
+/// Runs `initialize` of the nodelet `name`. If it throws, logs the error as fatal, runs `stop` and
+/// rethrows. `stop` is needed because nodelet::Loader frees the callback queues before a nodelet
+/// that threw.
+template <typename Initialize, typename Stop>
+void startNodelet(const std::string& name, const Initialize& initialize, const Stop& stop) {
+  try {
+    initialize();
+  } catch (const std::exception& error) {
+    ROS_FATAL_NAMED(name, "cannot start: %s", error.what());
+    stop();
+    throw;
+  }
+}
+
 }  // namespace cbmv

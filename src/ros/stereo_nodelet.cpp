@@ -12,7 +12,6 @@
 #include "ros/guarded.h"
 #include "ros/parameter_server.h"
 #include "ros/stamps.h"
-#include "ros/start_nodelet.h"
 
 #include "cbmv_stereo/parameters.h"
 

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "io/image_size.h"
+#include "io/image_decoding.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/temporary_folder.h"

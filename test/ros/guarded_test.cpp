@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "ros/start_nodelet.h"
-
 namespace cbmv {
 namespace {
 
