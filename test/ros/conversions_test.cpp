@@ -430,7 +430,7 @@ TEST(Quoted, IsShortAndPrintable) {
   EXPECT_EQ(quoted(std::string("a\n\0\xff b", 6)), "'a??? b'");
   const std::string shown = quoted(std::string(100000, 'x'));
   EXPECT_LT(shown.size(), 100U);
-  EXPECT_EQ(shown.substr(sentence.size() - 5), "x...'");
+  EXPECT_EQ(shown.substr(shown.size() - 5), "x...'");
 }
 
 TEST(Geometry, RectifiedInfoIsTheGeometry) {
