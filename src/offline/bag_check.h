@@ -17,7 +17,7 @@ struct BagCheck {
   std::size_t frames = 0;             ///< frames to process
   cv::Size image_size;                ///< empty if the middle pair cannot be used
   double matching_s = 0;              ///< wall time to match a frame, s
-  double processor_s = 0;             ///< CPU time to match a frame, all threads, s
+  double cpu_s = 0;                   ///< CPU time to match a frame, all threads, s
 };
 
 /// The numbers and problems as a JSON object.

@@ -106,7 +106,7 @@ std::string summaryJson(const BagProcessingSummary& summary) {
       {"seconds", summary.seconds},
       {"frames_per_second", framesPerSecond(summary)},
       {"matching_ms", 1000 * perFrame(summary.matching_seconds, summary.processed)},
-      {"processor_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
+      {"cpu_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
       {"peak_memory_mb", peakMemoryMb()},
       {"threads", summary.threads}};
   return json.dump(2) + "\n";

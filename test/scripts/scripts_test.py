@@ -194,7 +194,7 @@ class Benchmark(ScriptTest):
 CHECK = """#!/bin/sh
 [ "$1" = check ] || exit 1
 for last; do true; done
-echo '{"frames": 90, "width": 640, "height": 480, "processor_ms": 100.0, "problems": []}' > "$last"
+echo '{"frames": 90, "width": 640, "height": 480, "cpu_ms": 100.0, "problems": []}' > "$last"
 """
 
 
@@ -233,7 +233,7 @@ class Cluster(ScriptTest):
 
     def test_array_and_merging(self):
         said, asked = self.submit("--cpus-per-task", "2", "--partition", "short", "--memory", "2G", "--copy")
-        self.assertIn("90 frames of 640x480, about 1 s for each of 4 shards on 2 processors", said)
+        self.assertIn("90 frames of 640x480, about 1 s for each of 4 shards on 2 CPUs", said)
         for words in ("--array=1-4 ", "--cpus-per-task=2", "--partition=short", "--mem=2G", "--requeue",
                       "--time=11 "):
             self.assertIn(words, asked[0])
