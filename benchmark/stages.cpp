@@ -66,7 +66,7 @@ struct StageData {
   WindowedMatchingVolume volume, right_volume;
   SupportArms arms;
   EdgeImages edges;
-  WindowedOptimizedVolume optimized, output;
+  WindowedAggregatedVolume aggregated, output;
   cv::Mat winners, right_winners, labels, disparity, confidence, margin;
   cv::Mat refined;  ///< disparities after filling and smoothing
   cv::Mat judged_confidence, sigma;
@@ -78,7 +78,7 @@ struct StageData {
   SearchWindows windows;
   WindowedVolumeBuilder builder;
   WindowedRightView right_view;
-  PerThread<RightWinnersRow> across_rows;
+  PerThread<WindowedRightWinnersRow> right_winner_rows;
   WindowedSgm sgm;
   WindowedAggregator aggregator;
   SurfacePrior surface_prior;
@@ -178,7 +178,7 @@ void addOutput(const StageData& data, Checksum& sum) {
 }
 
 void findWinnerMaps(StageData& data) {
-  windowedWinnerMaps(data.space, data.optimized, data.volume, data.options.refinement.subpixel,
+  windowedWinnerMaps(data.space, data.aggregated, data.volume, data.options.refinement.subpixel,
                      {data.winners, data.disparity, data.confidence, data.margin});
 }
 
@@ -228,12 +228,12 @@ void StageData::optimize() {
   arms.longest_px = options.aggregation.arm_length_px - 1;
   edges = {pair.left, pair.right, options.sgm.edge_threshold * grayDeviation(pair.left),
            options.sgm.edge_threshold * grayDeviation(pair.right)};
-  sgm.match(space, volume, edges, {}, View::kLeft, options.sgm, optimized);
+  sgm.match(space, volume, edges, {}, View::kLeft, options.sgm, aggregated);
 }
 
 void StageData::refine() {
   findWinnerMaps(*this);
-  windowedWinnersAcross(space, optimized, across_rows, right_winners);
+  windowedRightWinners(space, aggregated, right_winner_rows, right_winners);
   leftRightCheck(winners, right_winners, range, options.refinement.max_left_right_difference_px,
                  labels);
   cv::Mat without_occlusions = disparity.clone();
@@ -336,12 +336,12 @@ std::vector<Stage> optimizationStages() {
            addOutput},
           {"sgm_second", Unit::kHypotheses, 4, 0,
            [](StageData& s) {
-             s.sgm.match(s.space, s.optimized, s.edges, {}, View::kLeft, s.options.sgm, s.output);
+             s.sgm.match(s.space, s.aggregated, s.edges, {}, View::kLeft, s.options.sgm, s.output);
            },
            addOutput},
           {"cbca", Unit::kHypotheses, 4, 0,
            [](StageData& s) {
-             s.aggregator.aggregate(s.space, s.optimized, sgmCostBound(s.options.sgm), s.arms,
+             s.aggregator.aggregate(s.space, s.aggregated, sgmCostBound(s.options.sgm), s.arms,
                                     View::kLeft, s.output);
            },
            addOutput},
@@ -352,7 +352,9 @@ std::vector<Stage> optimizationStages() {
              sum.add(s.margin);
            }},
           {"right_winners", Unit::kHypotheses, 2, 0,
-           [](StageData& s) { windowedWinnersAcross(s.space, s.optimized, s.across_rows, s.map); },
+           [](StageData& s) {
+             windowedRightWinners(s.space, s.aggregated, s.right_winner_rows, s.map);
+           },
            addMap}};
 }
 

@@ -93,7 +93,7 @@ wait_for_player() {  # PID SECONDS
 open_screen() {  # WIDTHxHEIGHT
   start xvfb Xvfb -displayfd 1 -screen 0 "${1}x24" +extension GLX
   local display=
-  until display=$(grep -x '[0-9]\+' "$session_folder/xvfb.log"); do sleep 0.1; done
+  until display=$(grep -sx '[0-9]\+' "$session_folder/xvfb.log"); do sleep 0.1; done
   export DISPLAY=:$display LIBGL_ALWAYS_SOFTWARE=1
   export XDG_RUNTIME_DIR=$session_folder/runtime
   mkdir -p -m 700 "$XDG_RUNTIME_DIR"

@@ -66,9 +66,11 @@ struct CalibrationCheck {
 /// - P[10] is not 1;
 /// - the baseline is outside of 5 mm to 5 m;
 /// - the principal point is outside of the image;
-/// - the size is unknown (0 x 0; the size of the image is used; not for files);
-/// - R is not a rotation;
-/// - others have rectified, and D = 0 with R or P ≠ K: image_proc skips this rectification.
+/// - width and height are 0, so that the size of the image is used (not with RectifiedBy::kFiles,
+///   because calibration files often have no size);
+/// - R is not a rotation, for images that are already rectified;
+/// - D = 0, although R is not the identity or P differs from K (only with RectifiedBy::kOthers):
+///   image_proc does not rectify images without distortion, so they are perhaps not rectified.
 CBMV_API CalibrationCheck checkCalibration(const StereoCameras& cameras, cv::Size image_size,
                                            const InputNames& names, RectifiedBy rectified_by);
 

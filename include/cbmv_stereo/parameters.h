@@ -44,7 +44,7 @@ CBMV_API Parameter findParameter(const std::string& name);
 CBMV_API std::string describeOptions(const StereoOptions& options);
 
 /// Corrects values that are within their ranges but inconsistent: P1 > P2, an even median window,
-/// penalties too large for 16-bit sums. Returns one sentence per correction: what was changed, to
+/// penalties too large for 16-bit sums. Returns one message per correction: what was changed, to
 /// which value, and why. Empty if nothing was changed.
 CBMV_API std::vector<std::string> correctOptions(StereoOptions& options);
 

@@ -14,8 +14,9 @@ struct StageTimes {
   double volume_ms = 0;  ///< matching, features, forest: one pass over the rows
   double aggregation_ms = 0;
   double sgm_ms = 0;
-  double refinement_ms = 0;  ///< WTA, left-right check, filling, subpixel, filters, confidence
-  double selection_ms = 0;   ///< second forest
+  /// WTA, left-right consistency check, filling, subpixel, filters, confidence
+  double refinement_ms = 0;
+  double selection_ms = 0;  ///< second forest
   double total_ms = 0;
 };
 
@@ -24,7 +25,7 @@ struct StereoResult {
   DisparityRange range;  ///< the range that was searched; never automatic
   cv::Mat disparity;     ///< CV_32FC1, px, left view, after all refinement; none: range.invalid()
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, after WTA; empty without the check
-  cv::Mat labels;           ///< CV_8UC1 of Label, left view: result of the left-right check
+  cv::Mat labels;  ///< CV_8UC1 of Label, left view: result of the left-right consistency check
   /// CV_32FC1 in [0, 1], left view. With a second forest: its probability that the disparity is
   /// within 1 px of the true disparity; 0 where there is no disparity. Without a second forest: the
   /// probability from the first forest that the whole-pixel winner is correct, halved where the

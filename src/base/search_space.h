@@ -114,8 +114,8 @@ class WindowedVolume {
   std::vector<Cost, CacheLineAllocator<Cost>> costs_;
 };
 
-/// Cost types as in MatchingVolume and OptimizedVolume.
+/// Cost types as in MatchingVolume and AggregatedVolume.
 using WindowedMatchingVolume = WindowedVolume<std::uint8_t>;
-using WindowedOptimizedVolume = WindowedVolume<std::uint16_t>;
+using WindowedAggregatedVolume = WindowedVolume<std::uint16_t>;
 
 }  // namespace cbmv

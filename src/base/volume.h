@@ -74,6 +74,6 @@ using MatchingVolume = Volume<std::uint8_t>;
 constexpr std::uint8_t kOutsideCost = 255;
 
 /// Cost volume during CBCA and SGM, in the same unit (1/255) unless a function states another one.
-using OptimizedVolume = Volume<std::uint16_t>;
+using AggregatedVolume = Volume<std::uint16_t>;
 
 }  // namespace cbmv

@@ -7,7 +7,6 @@
 
 #include "io/binary_file.h"
 #include "io/disparity_file.h"
-#include "io/file_extension.h"
 #include "io/image_file.h"
 #include "io/pfm.h"
 #include "pipeline/frame_processor.h"
@@ -48,7 +47,7 @@ fs::path mapFile(const fs::path& folder, const std::string& scene) {
 
 SceneMaps readMaps(const fs::path& folder, const StereoScene& scene) {
   const fs::path file = mapFile(folder, scene.name);
-  const bool is_float = hasExtension(file, ".pfm");
+  const bool is_float = isPfmName(file.string());
   SceneMaps maps;
   maps.disparity = readDisparity(file.string(), is_float ? 1.0 : kPngDivisor);
   requireSameSize(file, maps.disparity.size(), "the scene's left image", scene.left.size());

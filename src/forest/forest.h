@@ -9,7 +9,6 @@
 #include "confidence/features.h"
 #include "forest/confidence_forest.h"
 #include "forest/oblivious_forest.h"
-#include "forest/training_record.h"
 
 #include "cbmv_stereo/forest.h"
 

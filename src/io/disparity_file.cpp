@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "io/file_extension.h"
 #include "io/image_decoding.h"
 #include "io/pfm.h"
 
@@ -31,7 +30,7 @@ cv::Mat readIntegers(const std::string& path) {
 }  // namespace
 
 cv::Mat readDisparity(const std::string& path, double divisor) {
-  const bool is_float = hasExtension(path, ".pfm");
+  const bool is_float = isPfmName(path);
   const cv::Mat values = is_float ? readPfm(path) : readIntegers(path);
   cv::Mat disparity;
   values.convertTo(disparity, CV_32F, 1.0 / divisor);

@@ -1,5 +1,6 @@
 #include "io/pfm.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
@@ -87,6 +88,13 @@ void checkFileSize(const std::string& path, const PfmHeader& header, std::uintma
 }
 
 }  // namespace
+
+bool isPfmName(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".pfm";
+}
 
 cv::Mat readPfm(const std::string& path) {
   std::ifstream in = openForReading(path);

@@ -6,6 +6,9 @@
 
 namespace cbmv {
 
+/// Whether the name of a file ends with .pfm, in upper or lower case.
+bool isPfmName(const std::string& path);
+
 /// Reads a one-channel portable float map ("Pf") as CV_32FC1, top row first (the file has the
 /// bottom row first). The sign of the scale gives the byte order; its magnitude is ignored. Values
 /// are returned as stored, including infinity. The header may have comments (from # to the end of

@@ -92,14 +92,13 @@ void describeCost(const FramePlan& plan, FrameProcessor& processor, const Prepar
     processor.match(frame, offset);
   }
   check.matching_s = (steadySeconds() - begin_s) / kTimedFrames;
-  check.processor_s =
-      static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC / kTimedFrames;
+  check.cpu_s = static_cast<double>(std::clock() - begin_clock) / CLOCKS_PER_SEC / kTimedFrames;
   check.image_size = frame.images.left.size();
   const double all_s = check.matching_s * static_cast<double>(plan.frames.size());
   check.text += format(
       "cost: %.1f ms wall time per frame (%.1f ms CPU time), %.3g frames/s, about %.0f s in "
       "total\n",
-      1000 * check.matching_s, 1000 * check.processor_s, 1 / check.matching_s, std::ceil(all_s));
+      1000 * check.matching_s, 1000 * check.cpu_s, 1 / check.matching_s, std::ceil(all_s));
 }
 
 /// The middle frame; none, and a problem, if it cannot be used.
@@ -125,12 +124,13 @@ std::string checkJson(const BagCheck& check) {
                                {"width", check.image_size.width},
                                {"height", check.image_size.height},
                                {"matching_ms", 1000 * check.matching_s},
-                               {"processor_ms", 1000 * check.processor_s},
+                               {"cpu_ms", 1000 * check.cpu_s},
                                {"problems", check.problems}};
   return json.dump(2) + "\n";
 }
 
-BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest) {
+BagCheck checkBags(const BagProcessingOptions& options,
+                   const std::shared_ptr<const Forest>& forest) {
   const BagSet bags(options.inputs);
   const FramePlan plan = planFrames(bags, findCameraTopics(bags, options.topics), options.plan);
   compressionOf(options.compression);

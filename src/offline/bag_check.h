@@ -6,7 +6,7 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 
 namespace cbmv {
 
@@ -17,7 +17,7 @@ struct BagCheck {
   std::size_t frames = 0;             ///< frames to process
   cv::Size image_size;                ///< empty if the middle pair cannot be used
   double matching_s = 0;              ///< wall time to match a frame, s
-  double processor_s = 0;             ///< CPU time to match a frame, all threads, s
+  double cpu_s = 0;                   ///< CPU time to match a frame, all threads, s
 };
 
 /// The numbers and problems as a JSON object.
@@ -26,6 +26,7 @@ std::string checkJson(const BagCheck& check);
 /// Checks inputs, topics, plan and matching of `options`: the content of the bags, whether the
 /// pairs synchronize, whether the calibration is plausible, and the expected processing time,
 /// measured on the middle pair. Throws Error if the bags have no stereo camera.
-BagCheck checkBags(const ConversionOptions& options, const std::shared_ptr<const Forest>& forest);
+BagCheck checkBags(const BagProcessingOptions& options,
+                   const std::shared_ptr<const Forest>& forest);
 
 }  // namespace cbmv

@@ -62,7 +62,7 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
   }
 }
 
-std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
+std::string verticalOffsetWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                   const StereoOptions& options) {
   try {
     const VerticalOffsetMeasurement rows = measure(topics, frame, options);

@@ -17,7 +17,7 @@ std::string doubleRectificationWarning(const CameraTopics& topics, const Planned
 /// Returns a message if the rows of the pair as matched are more than 1 px apart, which happens if
 /// raw images are treated as rectified. Returns an empty string otherwise, also if the offset
 /// cannot be measured.
-std::string misalignedRowsWarning(const CameraTopics& topics, const PlannedFrame& frame,
+std::string verticalOffsetWarning(const CameraTopics& topics, const PlannedFrame& frame,
                                   const StereoOptions& options);
 
 }  // namespace cbmv

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 
 namespace cbmv {
 namespace {
@@ -18,7 +18,7 @@ std::string count(std::size_t value, const std::string& what) {
   return value == 0 ? std::string() : "  " + std::to_string(value) + " " + what + "\n";
 }
 
-std::size_t framesDone(const ConversionSummary& summary) {
+std::size_t framesDone(const BagProcessingSummary& summary) {
   return summary.resumed + summary.processed - summary.failed;
 }
 
@@ -26,7 +26,7 @@ double perFrame(double seconds, std::size_t frames) {
   return frames > 0 ? seconds / static_cast<double>(frames) : 0;
 }
 
-double framesPerSecond(const ConversionSummary& summary) {
+double framesPerSecond(const BagProcessingSummary& summary) {
   return summary.seconds > 0 ? static_cast<double>(summary.processed) / summary.seconds : 0;
 }
 
@@ -43,7 +43,7 @@ double peakMemoryMb() {
 
 }  // namespace
 
-std::string describeSummary(const ConversionSummary& summary) {
+std::string describeSummary(const BagProcessingSummary& summary) {
   const FramePlan& plan = summary.plan;
   std::string text = std::to_string(framesDone(summary)) + " of " +
                      std::to_string(plan.framesToProcess()) + " frames done";
@@ -80,7 +80,7 @@ std::string describeSummary(const ConversionSummary& summary) {
   return text;
 }
 
-std::string summaryJson(const ConversionSummary& summary) {
+std::string summaryJson(const BagProcessingSummary& summary) {
   const FramePlan& plan = summary.plan;
   const nlohmann::json json = {
       {"left_topic", plan.topics.left.name},
@@ -106,7 +106,7 @@ std::string summaryJson(const ConversionSummary& summary) {
       {"seconds", summary.seconds},
       {"frames_per_second", framesPerSecond(summary)},
       {"matching_ms", 1000 * perFrame(summary.matching_seconds, summary.processed)},
-      {"processor_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
+      {"cpu_ms", 1000 * perFrame(summary.cpu_seconds, summary.processed)},
       {"peak_memory_mb", peakMemoryMb()},
       {"threads", summary.threads}};
   return json.dump(2) + "\n";

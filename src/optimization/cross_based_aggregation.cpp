@@ -344,7 +344,7 @@ class TileAggregator {
   TileAggregator(const Inputs<Cost>& inputs, const Tile& tile, Ring<Sum>& ring)
       : inputs_(inputs), tile_(tile), ring_(ring) {}
 
-  void run(OptimizedVolume& aggregated) {
+  void run(AggregatedVolume& aggregated) {
     const int height = inputs_.costs.height();
     const int delay = inputs_.longest_arm_px;
     for (int y = 0; y < height + delay; ++y) {
@@ -377,7 +377,7 @@ class TileAggregator {
                                ring_.pitch()});
   }
 
-  void averageRow(int y, OptimizedVolume& aggregated) {
+  void averageRow(int y, AggregatedVolume& aggregated) {
     const int first = tile_.columns.start;
     cbmv::averageRow(RowToAverage<Sum>{ring_.rowsAround(y), ring_.pitch(), tile_.columns.size(),
                                        tile_.disparities.size(), arms(y, kUpArm, kDownArm),
@@ -392,7 +392,7 @@ class TileAggregator {
 
 template <typename Sum, typename Cost>
 void aggregateTiles(const Inputs<Cost>& inputs, PerThread<Ring<Sum>>& rings,
-                    OptimizedVolume& aggregated) {
+                    AggregatedVolume& aggregated) {
   const int width = inputs.costs.width();
   const int count = inputs.costs.disparities();
   // The ring should fit into the second-level cache. A tile also reads the costs of its neighbors.
@@ -425,7 +425,7 @@ class CostAggregator::Impl {
  public:
   template <typename Cost>
   void aggregate(const Volume<Cost>& costs, int max_cost, const SupportArms& arms, View view,
-                 const DisparityRange& range, OptimizedVolume& aggregated) {
+                 const DisparityRange& range, AggregatedVolume& aggregated) {
     const cv::Size size(costs.width(), costs.height());
     CV_Assert(arms.reference.type() == CV_8UC4 && arms.reference.size() == size);
     CV_Assert(arms.other.type() == CV_8UC4 && arms.other.size() == size);
@@ -456,16 +456,16 @@ double CostAggregator::bytesPerThread(double width, double disparities, int long
 CostAggregator::CostAggregator() : impl_(std::make_unique<Impl>()) {}
 CostAggregator::~CostAggregator() = default;
 
-void CostAggregator::aggregate(const OptimizedVolume& costs, int max_cost, const SupportArms& arms,
+void CostAggregator::aggregate(const AggregatedVolume& costs, int max_cost, const SupportArms& arms,
                                View view, const DisparityRange& range,
-                               OptimizedVolume& aggregated) {
+                               AggregatedVolume& aggregated) {
   CV_Assert(&costs != &aggregated);
   impl_->aggregate(costs, max_cost, arms, view, range, aggregated);
 }
 
 void CostAggregator::aggregate(const MatchingVolume& costs, int max_cost, const SupportArms& arms,
                                View view, const DisparityRange& range,
-                               OptimizedVolume& aggregated) {
+                               AggregatedVolume& aggregated) {
   impl_->aggregate(costs, std::min<int>(max_cost, kOutsideCost), arms, view, range, aggregated);
 }
 

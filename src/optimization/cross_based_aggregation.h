@@ -50,12 +50,12 @@ class CostAggregator {
   CostAggregator& operator=(const CostAggregator&) = delete;
 
   /// Runs one iteration.
-  void aggregate(const OptimizedVolume& costs, int max_cost, const SupportArms& arms, View view,
-                 const DisparityRange& range, OptimizedVolume& aggregated);
+  void aggregate(const AggregatedVolume& costs, int max_cost, const SupportArms& arms, View view,
+                 const DisparityRange& range, AggregatedVolume& aggregated);
 
   /// Runs one iteration on matching costs.
   void aggregate(const MatchingVolume& costs, int max_cost, const SupportArms& arms, View view,
-                 const DisparityRange& range, OptimizedVolume& aggregated);
+                 const DisparityRange& range, AggregatedVolume& aggregated);
 
  private:
   class Impl;

@@ -146,7 +146,7 @@ class PathFront {
 
 template <typename Cost>
 PathPixels<Cost> pixelsOf(const Volume<Cost>& costs, int y, const cv::Range& columns,
-                          OptimizedVolume& sums) {
+                          AggregatedVolume& sums) {
   return {costs.pixel(y, columns.start), sums.pixel(y, columns.start), columns.size(),
           costs.disparities()};
 }
@@ -164,7 +164,7 @@ class DenseRowPaths {
 
   /// Sets the sums of a row.
   template <typename Cost>
-  void run(const Volume<Cost>& costs, int y, OptimizedVolume& sums) {
+  void run(const Volume<Cost>& costs, int y, AggregatedVolume& sums) {
     // An edge is stored at the right one of its two pixels.
     const auto* reference = setup_->reference.horizontal.ptr<std::uint8_t>(y);
     const auto* other = setup_->other.horizontal.ptr<std::uint8_t>(y);
@@ -197,7 +197,7 @@ class DenseColumnPaths {
 
   /// Adds the paths from above to the sums of the next rows.
   template <typename Cost>
-  void runDown(const Volume<Cost>& costs, const cv::Range& rows, OptimizedVolume& sums) {
+  void runDown(const Volume<Cost>& costs, const cv::Range& rows, AggregatedVolume& sums) {
     for (int y = rows.start; y < rows.end; ++y) {
       addColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y, y - 1), front_.ends());
       front_.advance();
@@ -206,7 +206,7 @@ class DenseColumnPaths {
 
   /// Adds the paths from below to the sums of all rows and converts the sums to means.
   template <typename Cost>
-  void runUp(const Volume<Cost>& costs, OptimizedVolume& sums) {
+  void runUp(const Volume<Cost>& costs, AggregatedVolume& sums) {
     front_.reset();
     for (int y = costs.height() - 1; y >= 0; --y) {
       averageColumns(pixelsOf(costs, y, columns_, sums), fillPenalties(y, y + 1), front_.ends());

@@ -25,7 +25,7 @@ class SemiGlobalMatcher::Impl {
  public:
   template <typename Cost>
   void match(const Volume<Cost>& costs, const EdgeImages& images, const cv::Mat& surface, View view,
-             const DisparityRange& range, const SgmOptions& options, OptimizedVolume& mean) {
+             const DisparityRange& range, const SgmOptions& options, AggregatedVolume& mean) {
     const cv::Size size(costs.width(), costs.height());
     CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
     CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
@@ -76,7 +76,7 @@ class SemiGlobalMatcher::Impl {
   /// Passes over the volumes twice. Downward in bands of rows: first along the rows, then along the
   /// columns while the band is in the cache. Upward along the columns.
   template <typename Cost>
-  void addPaths(const Volume<Cost>& costs, OptimizedVolume& sums) {
+  void addPaths(const Volume<Cost>& costs, AggregatedVolume& sums) {
     const int height = setup_.height;
     const int band_rows = kRowsPerThread * static_cast<int>(threadCount());
     for (int first = 0; first < height; first += band_rows) {
@@ -97,16 +97,16 @@ class SemiGlobalMatcher::Impl {
 SemiGlobalMatcher::SemiGlobalMatcher() : impl_(std::make_unique<Impl>()) {}
 SemiGlobalMatcher::~SemiGlobalMatcher() = default;
 
-void SemiGlobalMatcher::match(const OptimizedVolume& costs, const EdgeImages& images,
+void SemiGlobalMatcher::match(const AggregatedVolume& costs, const EdgeImages& images,
                               const cv::Mat& surface, View view, const DisparityRange& range,
-                              const SgmOptions& options, OptimizedVolume& mean) {
+                              const SgmOptions& options, AggregatedVolume& mean) {
   CV_Assert(&costs != &mean);
   impl_->match(costs, images, surface, view, range, options, mean);
 }
 
 void SemiGlobalMatcher::match(const MatchingVolume& costs, const EdgeImages& images,
                               const cv::Mat& surface, View view, const DisparityRange& range,
-                              const SgmOptions& options, OptimizedVolume& mean) {
+                              const SgmOptions& options, AggregatedVolume& mean) {
   impl_->match(costs, images, surface, view, range, options, mean);
 }
 

@@ -57,14 +57,14 @@ class SemiGlobalMatcher {
 
   /// Runs one iteration. `surface` is a surface map (surface_prior.h) of the reference image, or
   /// empty.
-  void match(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
+  void match(const AggregatedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
              View view, const DisparityRange& range, const SgmOptions& options,
-             OptimizedVolume& mean);
+             AggregatedVolume& mean);
 
   /// Runs one iteration on matching costs.
   void match(const MatchingVolume& costs, const EdgeImages& images, const cv::Mat& surface,
              View view, const DisparityRange& range, const SgmOptions& options,
-             OptimizedVolume& mean);
+             AggregatedVolume& mean);
 
  private:
   class Impl;

@@ -553,7 +553,7 @@ class BlockAggregator {
                   BlockMemory<Sum>& memory)
       : inputs_(inputs), shape_(shape), first_tile_(first_tile), memory_(memory) {}
 
-  void run(WindowedOptimizedVolume& aggregated) {
+  void run(WindowedAggregatedVolume& aggregated) {
     const int height = inputs_.space.height();
     const int delay = inputs_.arms.longest_px;
     findLists(0);
@@ -644,7 +644,7 @@ class BlockAggregator {
         memory_.left_reach.data(), memory_.right_reach.data(), memory_.unused.data()});
   }
 
-  void averageRow(int y, WindowedOptimizedVolume& aggregated) {
+  void averageRow(int y, WindowedAggregatedVolume& aggregated) {
     const int reach = memory_.rows / 2;
     for (int k = 0; k < memory_.rows; ++k) {
       memory_.around[k] = sums(y + k + memory_.rows - reach);
@@ -685,7 +685,7 @@ int tilesAcross(const SearchSpace& space, const BlockShape& largest, std::size_t
 
 template <typename Lane, typename Sum, typename Cost>
 void aggregateBlocks(const Inputs<Cost>& inputs, PerThread<BlockMemory<Sum>>& memory,
-                     WindowedOptimizedVolume& aggregated) {
+                     WindowedAggregatedVolume& aggregated) {
   const SearchSpace& space = inputs.space;
   const BlockShape largest = largestBlock<Sum>(space, inputs.arms.longest_px);
   memory.prepare([&](BlockMemory<Sum>& block) { block.resize(largest, inputs.arms.longest_px); });
@@ -709,7 +709,7 @@ class WindowedAggregator::Impl {
  public:
   template <typename Cost>
   void aggregate(const SearchSpace& space, const WindowedVolume<Cost>& costs, int max_cost,
-                 const SupportArms& arms, View view, WindowedOptimizedVolume& aggregated) {
+                 const SupportArms& arms, View view, WindowedAggregatedVolume& aggregated) {
     const cv::Size size(space.width(), space.height());
     CV_Assert(arms.reference.type() == CV_8UC4 && arms.reference.size() == size);
     CV_Assert(arms.other.type() == CV_8UC4 && arms.other.size() == size);
@@ -732,16 +732,16 @@ class WindowedAggregator::Impl {
 WindowedAggregator::WindowedAggregator() : impl_(std::make_unique<Impl>()) {}
 WindowedAggregator::~WindowedAggregator() = default;
 
-void WindowedAggregator::aggregate(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void WindowedAggregator::aggregate(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                                    int max_cost, const SupportArms& arms, View view,
-                                   WindowedOptimizedVolume& aggregated) {
+                                   WindowedAggregatedVolume& aggregated) {
   CV_Assert(&costs != &aggregated);
   impl_->aggregate(space, costs, max_cost, arms, view, aggregated);
 }
 
 void WindowedAggregator::aggregate(const SearchSpace& space, const WindowedMatchingVolume& costs,
                                    int max_cost, const SupportArms& arms, View view,
-                                   WindowedOptimizedVolume& aggregated) {
+                                   WindowedAggregatedVolume& aggregated) {
   impl_->aggregate(space, costs, std::min<int>(max_cost, kOutsideCost), arms, view, aggregated);
 }
 

@@ -31,12 +31,12 @@ class WindowedAggregator {
   WindowedAggregator& operator=(const WindowedAggregator&) = delete;
 
   /// Runs one iteration.
-  void aggregate(const SearchSpace& space, const WindowedOptimizedVolume& costs, int max_cost,
-                 const SupportArms& arms, View view, WindowedOptimizedVolume& aggregated);
+  void aggregate(const SearchSpace& space, const WindowedAggregatedVolume& costs, int max_cost,
+                 const SupportArms& arms, View view, WindowedAggregatedVolume& aggregated);
 
   /// Runs one iteration on matching costs.
   void aggregate(const SearchSpace& space, const WindowedMatchingVolume& costs, int max_cost,
-                 const SupportArms& arms, View view, WindowedOptimizedVolume& aggregated);
+                 const SupportArms& arms, View view, WindowedAggregatedVolume& aggregated);
 
  private:
   class Impl;

@@ -31,7 +31,7 @@ class WindowedSgm::Impl {
   template <typename Cost>
   void match(const SearchSpace& space, const WindowedVolume<Cost>& costs, const EdgeImages& images,
              const cv::Mat& surface, View view, const SgmOptions& options,
-             WindowedOptimizedVolume& mean) {
+             WindowedAggregatedVolume& mean) {
     const cv::Size size(space.width(), space.height());
     CV_Assert(images.reference.type() == CV_8UC1 && images.reference.size() == size);
     CV_Assert(images.other.type() == CV_8UC1 && images.other.size() == size);
@@ -66,7 +66,7 @@ class WindowedSgm::Impl {
   /// columns while the band is in the cache. Upward along the columns.
   template <typename Cost>
   void addPaths(const SearchSpace& space, const WindowedVolume<Cost>& costs,
-                WindowedOptimizedVolume& sums) {
+                WindowedAggregatedVolume& sums) {
     const int height = space.height();
     const int band_rows = bandRows(space, sizeof(Cost) + sizeof(std::uint16_t));
     for (int first = 0; first < height; first += band_rows) {
@@ -109,16 +109,16 @@ class WindowedSgm::Impl {
 WindowedSgm::WindowedSgm() : impl_(std::make_unique<Impl>()) {}
 WindowedSgm::~WindowedSgm() = default;
 
-void WindowedSgm::match(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void WindowedSgm::match(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                         const EdgeImages& images, const cv::Mat& surface, View view,
-                        const SgmOptions& options, WindowedOptimizedVolume& mean) {
+                        const SgmOptions& options, WindowedAggregatedVolume& mean) {
   CV_Assert(&costs != &mean);
   impl_->match(space, costs, images, surface, view, options, mean);
 }
 
 void WindowedSgm::match(const SearchSpace& space, const WindowedMatchingVolume& costs,
                         const EdgeImages& images, const cv::Mat& surface, View view,
-                        const SgmOptions& options, WindowedOptimizedVolume& mean) {
+                        const SgmOptions& options, WindowedAggregatedVolume& mean) {
   impl_->match(space, costs, images, surface, view, options, mean);
 }
 

@@ -52,14 +52,14 @@ class WindowedSgm {
 
   /// Runs one iteration. `surface` is a surface map (surface_prior.h) of the reference image, or
   /// empty. Images and surface have the size of the space.
-  void match(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+  void match(const SearchSpace& space, const WindowedAggregatedVolume& costs,
              const EdgeImages& images, const cv::Mat& surface, View view, const SgmOptions& options,
-             WindowedOptimizedVolume& mean);
+             WindowedAggregatedVolume& mean);
 
   /// Runs one iteration on matching costs.
   void match(const SearchSpace& space, const WindowedMatchingVolume& costs,
              const EdgeImages& images, const cv::Mat& surface, View view, const SgmOptions& options,
-             WindowedOptimizedVolume& mean);
+             WindowedAggregatedVolume& mean);
 
  private:
   class Impl;

@@ -22,7 +22,7 @@ template <typename Cost>
 struct ColumnRun {
   const PathSetup& setup;
   const WindowedVolume<Cost>& costs;
-  WindowedOptimizedVolume& sums;
+  WindowedAggregatedVolume& sums;
   cv::Range tiles;
   int direction;  ///< 1: downward, -1: upward
   ColumnFront& front;
@@ -293,23 +293,23 @@ void ColumnPaths::resize(const PathSetup& setup, const cv::Range& tiles) {
 
 template <typename Cost>
 void ColumnPaths::runDown(const WindowedVolume<Cost>& costs, const cv::Range& rows,
-                          WindowedOptimizedVolume& sums) {
+                          WindowedAggregatedVolume& sums) {
   addRows(ColumnRun<Cost>{*setup_, costs, sums, tiles_, 1, front_}, rows);
 }
 
 // The front still has the last row. The first row of the paths from below overwrites it.
 template <typename Cost>
-void ColumnPaths::runUp(const WindowedVolume<Cost>& costs, WindowedOptimizedVolume& sums) {
+void ColumnPaths::runUp(const WindowedVolume<Cost>& costs, WindowedAggregatedVolume& sums) {
   averageRowsUpwards(ColumnRun<Cost>{*setup_, costs, sums, tiles_, -1, front_},
                      setup_->space->height());
 }
 
 template void ColumnPaths::runDown(const WindowedMatchingVolume&, const cv::Range&,
-                                   WindowedOptimizedVolume&);
-template void ColumnPaths::runDown(const WindowedOptimizedVolume&, const cv::Range&,
-                                   WindowedOptimizedVolume&);
-template void ColumnPaths::runUp(const WindowedMatchingVolume&, WindowedOptimizedVolume&);
-template void ColumnPaths::runUp(const WindowedOptimizedVolume&, WindowedOptimizedVolume&);
+                                   WindowedAggregatedVolume&);
+template void ColumnPaths::runDown(const WindowedAggregatedVolume&, const cv::Range&,
+                                   WindowedAggregatedVolume&);
+template void ColumnPaths::runUp(const WindowedMatchingVolume&, WindowedAggregatedVolume&);
+template void ColumnPaths::runUp(const WindowedAggregatedVolume&, WindowedAggregatedVolume&);
 
 }  // namespace cbmv
 #endif  // HWY_ONCE

@@ -40,12 +40,12 @@ class ColumnPaths {
   /// Adds the paths from above to the sums of the next rows.
   template <typename Cost>
   void runDown(const WindowedVolume<Cost>& costs, const cv::Range& rows,
-               WindowedOptimizedVolume& sums);
+               WindowedAggregatedVolume& sums);
 
   /// Adds the paths from below to the sums of all rows and converts the sums to means. Call after
   /// runDown() has processed all rows.
   template <typename Cost>
-  void runUp(const WindowedVolume<Cost>& costs, WindowedOptimizedVolume& sums);
+  void runUp(const WindowedVolume<Cost>& costs, WindowedAggregatedVolume& sums);
 
  private:
   const PathSetup* setup_ = nullptr;

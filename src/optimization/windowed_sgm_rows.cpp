@@ -25,7 +25,7 @@ template <typename Cost>
 struct RowJob {
   const PathSetup& setup;
   const WindowedVolume<Cost>& costs;
-  WindowedOptimizedVolume& sums;
+  WindowedAggregatedVolume& sums;
   cv::Range rows;
 };
 
@@ -612,14 +612,14 @@ void RowPaths::resize(const PathSetup& setup) {
 
 template <typename Cost>
 void RowPaths::run(const WindowedVolume<Cost>& costs, const cv::Range& rows,
-                   WindowedOptimizedVolume& sums) {
+                   WindowedAggregatedVolume& sums) {
   runRows(RowJob<Cost>{*setup_, costs, sums, rows}, memory_);
 }
 
 template void RowPaths::run(const WindowedMatchingVolume&, const cv::Range&,
-                            WindowedOptimizedVolume&);
-template void RowPaths::run(const WindowedOptimizedVolume&, const cv::Range&,
-                            WindowedOptimizedVolume&);
+                            WindowedAggregatedVolume&);
+template void RowPaths::run(const WindowedAggregatedVolume&, const cv::Range&,
+                            WindowedAggregatedVolume&);
 
 }  // namespace cbmv
 #endif  // HWY_ONCE

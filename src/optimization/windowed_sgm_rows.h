@@ -84,7 +84,8 @@ class RowPaths {
 
   /// Sets the sums of at most kRowsAtOnce rows.
   template <typename Cost>
-  void run(const WindowedVolume<Cost>& costs, const cv::Range& rows, WindowedOptimizedVolume& sums);
+  void run(const WindowedVolume<Cost>& costs, const cv::Range& rows,
+           WindowedAggregatedVolume& sums);
 
  private:
   const PathSetup* setup_ = nullptr;

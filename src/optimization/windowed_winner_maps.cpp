@@ -226,7 +226,7 @@ HWY_INLINE void storeTile(const TileColumns& columns, const TileWinners& winners
   std::copy_n(winners.margins, columns.count, out.margin + columns.x);
 }
 
-void mapRow(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void mapRow(const SearchSpace& space, const WindowedAggregatedVolume& costs,
             const WindowedMatchingVolume& matching_costs, bool subpixel, int y,
             const RowMaps& out) {
   std::array<TileWinners, kTilesAhead> winners;
@@ -267,7 +267,7 @@ HWY_EXPORT(mapRow);
 
 }  // namespace
 
-void windowedWinnerMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void windowedWinnerMaps(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                         const WindowedMatchingVolume& matching_costs, bool subpixel,
                         const WinnerMaps& maps) {
   CV_Assert(costs.entries() == space.entries() && matching_costs.entries() == space.entries());

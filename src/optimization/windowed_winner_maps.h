@@ -20,7 +20,7 @@ struct WinnerMaps {
 /// inside of the right image. The smallest disparity wins ties. Subpixel enhancement is as in
 /// refineSubpixel, where the tile also has d − 1 and d + 1. Both volumes are of `space`. Parallel
 /// over rows by oneTBB.
-void windowedWinnerMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void windowedWinnerMaps(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                         const WindowedMatchingVolume& matching_costs, bool subpixel,
                         const WinnerMaps& maps);
 

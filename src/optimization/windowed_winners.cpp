@@ -168,7 +168,7 @@ float disparityOf(std::uint16_t index, const DisparityRange& range) {
 
 }  // namespace
 
-void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& costs, View view,
+void windowedWinners(const SearchSpace& space, const WindowedAggregatedVolume& costs, View view,
                      cv::Mat& disparity) {
   disparity.create(space.height(), space.width(), CV_32FC1);
   tbb::parallel_for(0, space.height(), [&](int y) {
@@ -185,18 +185,18 @@ void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& co
   });
 }
 
-void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolume& left_costs,
-                           PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity) {
+void windowedRightWinners(const SearchSpace& space, const WindowedAggregatedVolume& left_costs,
+                          PerThread<WindowedRightWinnersRow>& scratch, cv::Mat& right_disparity) {
   const int width = space.width();
   const DisparityRange& range = space.range();
   right_disparity.create(space.height(), width, CV_32FC1);
-  scratch.prepare([&](RightWinnersRow& row) {
+  scratch.prepare([&](WindowedRightWinnersRow& row) {
     row.lowest.resize(static_cast<std::size_t>(width) + kTileColumns);
     row.winners.resize(row.lowest.size());
     row.tiles.resize(space.tiles());
   });
   tbb::parallel_for(0, space.height(), [&](int y) {
-    RightWinnersRow& row = scratch.local();
+    WindowedRightWinnersRow& row = scratch.local();
     std::fill(row.lowest.begin(), row.lowest.end(), kNoCost);
     std::fill(row.winners.begin(), row.winners.end(), kNoIndex);
     for (int t = 0; t < space.tiles(); ++t) {

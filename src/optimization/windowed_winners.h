@@ -16,7 +16,7 @@ namespace cbmv {
 /// is inside of the other image. The smallest disparity wins ties. `disparity` becomes CV_32FC1
 /// with whole pixels. It is range.invalid() where there is no hypothesis. Parallel over rows by
 /// oneTBB.
-void windowedWinners(const SearchSpace& space, const WindowedOptimizedVolume& costs, View view,
+void windowedWinners(const SearchSpace& space, const WindowedAggregatedVolume& costs, View view,
                      cv::Mat& disparity);
 
 /// Entries [begin, end) of a tile's list whose matches are inside of the right image for all
@@ -29,7 +29,7 @@ struct TileEntries {
 };
 
 /// Memory for the winners of a row of the right image.
-struct RightWinnersRow {
+struct WindowedRightWinnersRow {
   std::vector<std::uint16_t> lowest;   ///< costs
   std::vector<std::uint16_t> winners;  ///< indices of disparities
   std::vector<TileEntries> tiles;
@@ -37,7 +37,7 @@ struct RightWinnersRow {
 
 /// Winner-takes-all for the right image, from the costs of the left view. The winner of (x, y) is
 /// the smallest d that minimizes left_costs(x + d, y, d).
-void windowedWinnersAcross(const SearchSpace& space, const WindowedOptimizedVolume& left_costs,
-                           PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity);
+void windowedRightWinners(const SearchSpace& space, const WindowedAggregatedVolume& left_costs,
+                          PerThread<WindowedRightWinnersRow>& scratch, cv::Mat& right_disparity);
 
 }  // namespace cbmv

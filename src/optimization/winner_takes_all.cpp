@@ -8,7 +8,25 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "optimization/inside_disparities.h"
+#ifndef CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
+#define CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
+namespace cbmv {
+namespace {
+
+/// Indices [start, end) of the disparities of column x whose match is inside of the other image,
+/// which is `width` pixels wide. Empty if there are none.
+cv::Range insideDisparities(View view, const DisparityRange& range, int x, int width) {
+  // The disparities that match the first and the last column of the other image.
+  const int lowest = view == View::kLeft ? x - (width - 1) : -x;
+  const int highest = view == View::kLeft ? x : width - 1 - x;
+  const int start = std::clamp(lowest - range.min, 0, range.count);
+  const int end = std::clamp(highest - range.min + 1, start, range.count);
+  return {start, end};
+}
+
+}  // namespace
+}  // namespace cbmv
+#endif  // CBMV_OPTIMIZATION_WINNER_TAKES_ALL_ONCE
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optimization/winner_takes_all.cpp"
@@ -77,8 +95,8 @@ void takeCheaper(const std::uint16_t* costs, int first, int count, std::uint16_t
 /// right to left, so that the smallest hypothesis that matches a right pixel comes last. `lowest`
 /// and `winners` have the right pixels from right to left, the order in which the hypotheses of a
 /// left pixel match them.
-void findWinnersAcross(const std::uint16_t* costs, const DisparityRange& range, int columns,
-                       std::uint16_t* lowest, std::uint16_t* winners) {
+void findRightWinners(const std::uint16_t* costs, const DisparityRange& range, int columns,
+                      std::uint16_t* lowest, std::uint16_t* winners) {
   for (int x = columns - 1; x >= 0; --x) {
     const cv::Range inside = insideDisparities(View::kLeft, range, x, columns);
     const int match = columns - 1 - x + range.min + inside.start;
@@ -130,14 +148,14 @@ namespace cbmv {
 namespace {
 
 HWY_EXPORT(findWinners);
-HWY_EXPORT(findWinnersAcross);
+HWY_EXPORT(findRightWinners);
 HWY_EXPORT(findMargins);
 
 constexpr std::uint16_t kNone = 0xffff;  // no winner
 
 }  // namespace
 
-void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRange& range,
+void winnerTakesAll(const AggregatedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity) {
   CV_Assert(costs.disparities() == range.count);
   disparity.create(costs.height(), costs.width(), CV_32FC1);
@@ -149,7 +167,7 @@ void winnerTakesAll(const OptimizedVolume& costs, View view, const DisparityRang
   });
 }
 
-void winnerMargins(const OptimizedVolume& costs, const DisparityRange& range,
+void winnerMargins(const AggregatedVolume& costs, const DisparityRange& range,
                    const cv::Mat& winners, cv::Mat& margin) {
   CV_Assert(costs.disparities() == range.count);
   margin.create(winners.size(), CV_16UC1);
@@ -159,21 +177,21 @@ void winnerMargins(const OptimizedVolume& costs, const DisparityRange& range,
   });
 }
 
-void winnerTakesAllAcross(const OptimizedVolume& left_costs, const DisparityRange& range,
-                          PerThread<RowAcross>& scratch, cv::Mat& right_disparity) {
+void rightWinners(const AggregatedVolume& left_costs, const DisparityRange& range,
+                  PerThread<RightWinnersRow>& scratch, cv::Mat& right_disparity) {
   CV_Assert(left_costs.disparities() == range.count);
   const int width = left_costs.width();
   right_disparity.create(left_costs.height(), width, CV_32FC1);
   const std::size_t size = width + kReadableBytesBeyond / sizeof(std::uint16_t);
-  scratch.prepare([size](RowAcross& row) {
+  scratch.prepare([size](RightWinnersRow& row) {
     row.lowest.resize(size);
     row.winners.resize(size);
   });
   tbb::parallel_for(0, left_costs.height(), [&](int y) {
-    RowAcross& row = scratch.local();
+    RightWinnersRow& row = scratch.local();
     std::fill(row.lowest.begin(), row.lowest.end(), 0xffff);
     std::fill(row.winners.begin(), row.winners.end(), kNone);
-    HWY_DYNAMIC_DISPATCH(findWinnersAcross)
+    HWY_DYNAMIC_DISPATCH(findRightWinners)
     (left_costs.row(y), range, width, row.lowest.data(), row.winners.data());
     std::transform(row.winners.begin(), row.winners.begin() + width,
                    std::make_reverse_iterator(right_disparity.ptr<float>(y) + width),

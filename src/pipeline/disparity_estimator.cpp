@@ -30,7 +30,7 @@ namespace {
 /// surfaces are only a few pixels large.
 constexpr int kSmallestSidePx = 128;
 
-void widen(const MatchingVolume& volume, OptimizedVolume& costs) {
+void widen(const MatchingVolume& volume, AggregatedVolume& costs) {
   costs.resize(volume.height(), volume.width(), volume.disparities());
   tbb::parallel_for(0, volume.height(), [&](int y) {
     std::copy_n(volume.row(y), static_cast<std::size_t>(volume.width()) * volume.disparities(),
@@ -71,7 +71,7 @@ class DisparityEstimator::Impl {
       const Stopwatch watch(result.times.sgm_ms);
       findSurfaces(volume);
     }
-    const OptimizedVolume& costs = optimize(View::kLeft, volume, result.times);
+    const AggregatedVolume& costs = optimize(View::kLeft, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
       winnerTakesAll(costs, View::kLeft, options_.range, winners_);
@@ -86,7 +86,7 @@ class DisparityEstimator::Impl {
       matchRightView(volume, result);
     } else if (options_.refinement.left_right_check) {
       const Stopwatch watch(result.times.refinement_ms);
-      winnerTakesAllAcross(costs, options_.range, across_rows_, result.right_disparity);
+      rightWinners(costs, options_.range, right_winner_rows_, result.right_disparity);
     }
     const Stopwatch watch(result.times.refinement_ms);
     refiner_.refine(winners_, options_.range, options_.refinement,
@@ -143,13 +143,13 @@ class DisparityEstimator::Impl {
       const Stopwatch watch(result.times.volume_ms);
       shiftToRightView(options_.range, volume, shift_rows_);
     }
-    const OptimizedVolume& costs = optimize(View::kRight, volume, result.times);
+    const AggregatedVolume& costs = optimize(View::kRight, volume, result.times);
     const Stopwatch watch(result.times.refinement_ms);
     winnerTakesAll(costs, View::kRight, options_.range, result.right_disparity);
   }
 
   /// Cost aggregation and SGM of `volume`, which is of `view`.
-  const OptimizedVolume& optimize(View view, const MatchingVolume& volume, StageTimes& times) {
+  const AggregatedVolume& optimize(View view, const MatchingVolume& volume, StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
     const SupportArms arms = supportArmsOf(reference, other, options_.aggregation);
@@ -157,19 +157,19 @@ class DisparityEstimator::Impl {
     const int max_cost = sgmCostBound(options_.sgm);
     return optimizer_.optimize(
         volume, options_, times,
-        [&](const auto& costs, OptimizedVolume& aggregated) {
+        [&](const auto& costs, AggregatedVolume& aggregated) {
           aggregator_.aggregate(costs, max_cost, arms, view, options_.range, aggregated);
         },
-        [&](const auto& costs, OptimizedVolume& mean) {
+        [&](const auto& costs, AggregatedVolume& mean) {
           sgm_.match(costs, edges, reference.surface, view, options_.range, options_.sgm, mean);
         },
-        [&](const auto& costs, OptimizedVolume& wide) { widen(costs, wide); });
+        [&](const auto& costs, AggregatedVolume& wide) { widen(costs, wide); });
   }
 
   StereoOptions options_;
   PreparedImage left_;
   PreparedImage right_;
-  CostOptimizer<MatchingVolume, OptimizedVolume> optimizer_;
+  CostOptimizer<MatchingVolume, AggregatedVolume> optimizer_;
   cv::Mat winners_;  ///< left view, whole pixels
 
   std::unique_ptr<CoarsePair> coarse_;
@@ -178,7 +178,7 @@ class DisparityEstimator::Impl {
   SemiGlobalMatcher sgm_;
   CostAggregator aggregator_;
   PerThread<std::vector<std::uint8_t>> shift_rows_;
-  PerThread<RowAcross> across_rows_;
+  PerThread<RightWinnersRow> right_winner_rows_;
   DisparityRefiner refiner_;
 };
 

@@ -188,7 +188,7 @@ void addRefinementParameters(ParameterTable& table) {
   table.add(
       "left_right_max_difference", "px", 0, 16,
       [](Options& o) -> float& { return o.refinement.max_left_right_difference_px; },
-      "Largest difference of both views that passes the left-right check");
+      "Largest difference of both views that passes the left-right consistency check");
   table.add(
       "fill_occlusions", "", 0, 1, [](Options& o) -> bool& { return o.refinement.fill_occlusions; },
       "Fill occlusions from the background; off: they are invalid");

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kEntriesPerTask = 4096;
 
 void widen(const WindowedMatchingVolume& volume, const SearchSpace& space,
-           WindowedOptimizedVolume& costs) {
+           WindowedAggregatedVolume& costs) {
   costs.resize(space);
   const std::size_t tasks = (space.entries() + kEntriesPerTask - 1) / kEntriesPerTask;
   tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
@@ -49,7 +49,7 @@ class WindowedEstimator::Impl {
       left_.surface = surfaces.left;
       right_.surface = surfaces.right;
     }
-    const WindowedOptimizedVolume& costs = optimize(View::kLeft, space, volume, result.times);
+    const WindowedAggregatedVolume& costs = optimize(View::kLeft, space, volume, result.times);
     {
       const Stopwatch watch(result.times.refinement_ms);
       windowedWinnerMaps(space, costs, volume, options_.refinement.subpixel,
@@ -64,28 +64,29 @@ class WindowedEstimator::Impl {
  private:
   /// `costs` are the aggregated costs of the left view.
   void findRightWinners(const SearchSpace& space, const WindowedMatchingVolume& volume,
-                        const WindowedOptimizedVolume& costs, StereoResult& result) {
+                        const WindowedAggregatedVolume& costs, StereoResult& result) {
     if (!options_.refinement.left_right_check) {
       return;
     }
     if (!options_.refinement.optimize_right_view) {
       const Stopwatch watch(result.times.refinement_ms);
-      windowedWinnersAcross(space, costs, across_rows_, result.right_disparity);
+      windowedRightWinners(space, costs, right_winner_rows_, result.right_disparity);
       return;
     }
     {
       const Stopwatch watch(result.times.volume_ms);
       right_view_.build(space, volume, right_space_, right_volume_);
     }
-    const WindowedOptimizedVolume& right_costs =
+    const WindowedAggregatedVolume& right_costs =
         optimize(View::kRight, right_space_, right_volume_, result.times);
     const Stopwatch watch(result.times.refinement_ms);
     windowedWinners(right_space_, right_costs, View::kRight, result.right_disparity);
   }
 
   /// Cost aggregation and SGM of `volume`, which is of `view`.
-  const WindowedOptimizedVolume& optimize(View view, const SearchSpace& space,
-                                          const WindowedMatchingVolume& volume, StageTimes& times) {
+  const WindowedAggregatedVolume& optimize(View view, const SearchSpace& space,
+                                           const WindowedMatchingVolume& volume,
+                                           StageTimes& times) {
     const PreparedImage& reference = view == View::kLeft ? left_ : right_;
     const PreparedImage& other = view == View::kLeft ? right_ : left_;
     const SupportArms arms = supportArmsOf(reference, other, options_.aggregation);
@@ -93,19 +94,19 @@ class WindowedEstimator::Impl {
     const int max_cost = sgmCostBound(options_.sgm);
     return optimizer_.optimize(
         volume, options_, times,
-        [&](const auto& costs, WindowedOptimizedVolume& aggregated) {
+        [&](const auto& costs, WindowedAggregatedVolume& aggregated) {
           aggregator_.aggregate(space, costs, max_cost, arms, view, aggregated);
         },
-        [&](const auto& costs, WindowedOptimizedVolume& mean) {
+        [&](const auto& costs, WindowedAggregatedVolume& mean) {
           sgm_.match(space, costs, edges, reference.surface, view, options_.sgm, mean);
         },
-        [&](const auto& costs, WindowedOptimizedVolume& wide) { widen(costs, space, wide); });
+        [&](const auto& costs, WindowedAggregatedVolume& wide) { widen(costs, space, wide); });
   }
 
   StereoOptions options_;
   PreparedImage left_;
   PreparedImage right_;
-  CostOptimizer<WindowedMatchingVolume, WindowedOptimizedVolume> optimizer_;
+  CostOptimizer<WindowedMatchingVolume, WindowedAggregatedVolume> optimizer_;
   cv::Mat winners_;  ///< left view, whole pixels
 
   SearchSpace right_space_;
@@ -115,7 +116,7 @@ class WindowedEstimator::Impl {
   WindowedSgm sgm_;
   WindowedAggregator aggregator_;
   WindowedRightView right_view_;
-  PerThread<RightWinnersRow> across_rows_;
+  PerThread<WindowedRightWinnersRow> right_winner_rows_;
   DisparityRefiner refiner_;
 };
 

@@ -6,7 +6,6 @@
 
 #include "refinement/bilateral_filter.h"
 #include "refinement/interpolation.h"
-#include "refinement/label_runs.h"
 #include "refinement/left_border.h"
 #include "refinement/left_right_check.h"
 #include "refinement/median_filter.h"

@@ -11,7 +11,6 @@
 #include <tbb/parallel_for.h>
 
 #include "refinement/border_rows.h"
-#include "refinement/label_runs.h"
 #include "refinement/left_right_check.h"
 
 #ifndef CBMV_INTERPOLATION_ONCE

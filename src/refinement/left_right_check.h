@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <cstring>
+
 #include <opencv2/core.hpp>
 
 #include "cbmv_stereo/disparity_label.h"
@@ -21,5 +24,21 @@ namespace cbmv {
 /// becomes CV_8UC1 of Label. Parallel over rows by oneTBB.
 void leftRightCheck(const cv::Mat& left_disparity, const cv::Mat& right_disparity,
                     const DisparityRange& range, float max_difference_px, cv::Mat& labels);
+
+/// The first column from x on whose label is not kMatch; `width` if there is none. Most labels are
+/// kMatch, so eight are compared at once.
+inline int firstUnmatched(const std::uint8_t* labels, int x, int width) {
+  static_assert(kMatch == 0);
+  for (std::uint64_t eight = 0; x + 8 <= width; x += 8) {
+    std::memcpy(&eight, labels + x, sizeof(eight));
+    if (eight != 0) {
+      break;
+    }
+  }
+  while (x < width && labels[x] == kMatch) {
+    ++x;
+  }
+  return x;
+}
 
 }  // namespace cbmv

@@ -24,7 +24,7 @@ bool isColumn(int x, int width) { return x >= 0 && x < width; }
 
 }  // namespace
 
-void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range,
+void refineSubpixel(const AggregatedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity) {
   CV_Assert(disparity.type() == CV_32FC1 && costs.disparities() == range.count);
   CV_Assert(disparity.size() == cv::Size(costs.width(), costs.height()));

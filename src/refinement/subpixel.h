@@ -19,7 +19,7 @@ namespace cbmv {
 ///   pixels).
 ///
 /// Changes `disparity` (CV_32FC1, of `view`) in place. Parallel over rows by oneTBB.
-void refineSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range,
+void refineSubpixel(const AggregatedVolume& costs, View view, const DisparityRange& range,
                     cv::Mat& disparity);
 
 }  // namespace cbmv

@@ -24,6 +24,12 @@ constexpr std::array<const char*, 8> kStockOnly = {
     "stereo_algorithm", "prefilter_size",    "prefilter_cap", "correlation_window_size",
     "uniqueness_ratio", "texture_threshold", "fullDP",        "disp12MaxDiff"};
 
+std::string text(const ParameterValue& value) {
+  std::ostringstream stream;
+  std::visit([&](auto number) { stream << std::boolalpha << number; }, value);
+  return stream.str();
+}
+
 /// The list of dynamic_reconfigure::Config for parameters of type Value.
 template <typename Value>
 auto& listOf(dynamic_reconfigure::Config& message) {
@@ -47,8 +53,10 @@ void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter,
           return candidate.name == parameter.name;
         });
         if (entry == list.end()) {
-          throw Error("cfg/Stereo.cfg has no parameter '" + parameter.name +
-                      "' with the type of the parameter table. Add it or correct its type");
+          throw Error("cfg/Stereo.cfg: the parameter '" + parameter.name +
+                      "' is missing or has the wrong type, expected the type of its default " +
+                      text(parameter.default_value) +
+                      " in src/pipeline/parameters.cpp. Add it, or correct its type");
         }
         use(*entry, value);
       },
@@ -62,12 +70,6 @@ bool sameValue(Value a, Value b) {
     return static_cast<float>(a) == static_cast<float>(b);
   }
   return a == b;
-}
-
-std::string text(const ParameterValue& value) {
-  std::ostringstream stream;
-  std::visit([&](auto number) { stream << std::boolalpha << number; }, value);
-  return stream.str();
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include "ros/cloud_parameters.h"
 #include "ros/conversions.h"
 #include "ros/guarded.h"
-#include "ros/start_nodelet.h"
 #include "ros/unknown_parameters.h"
 
 namespace cbmv {

@@ -24,7 +24,7 @@ constexpr const char* kIdle = "idle: no output has a subscriber";
 
 }  // namespace
 
-std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px) {
+std::string verticalOffsetWarning(const ProcessedFrame& frame, double limit_px) {
   const VerticalOffsetMeasurement& measurement = frame.rectification.measurement;
   const VerticalOffset& model = measurement.model;
   const double rms_px = model.rootMeanSquare(frame.left_gray.size());
@@ -136,7 +136,7 @@ void StereoDiagnostics::processed(const ProcessedFrame& frame, ros::SteadyTime n
                    frame.result.memory_mb,
                    frame.rectification,
                    !frame.result.rectification.isZero(),
-                   misalignmentWarning(frame, limits_.vertical_offset_px),
+                   verticalOffsetWarning(frame, limits_.vertical_offset_px),
                    frame.warnings};
   if (fault_) {
     fault_->is_rejection = false;
@@ -270,8 +270,8 @@ void StereoDiagnostics::summarizeRectification(Status& status) const {
   } else if (newest_->rectification.measurement.model.matches == 0) {
     status.summary(DiagnosticStatus::OK,
                    "not measured: not enough matches within rectification_max_offset");
-  } else if (!newest_->misalignment.empty()) {
-    status.summary(DiagnosticStatus::WARN, newest_->misalignment);
+  } else if (!newest_->vertical_offset_warning.empty()) {
+    status.summary(DiagnosticStatus::WARN, newest_->vertical_offset_warning);
   } else {
     status.summary(DiagnosticStatus::OK, newest_->is_corrected
                                              ? "a small residual vertical offset is corrected"

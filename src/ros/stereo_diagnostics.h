@@ -25,7 +25,7 @@ struct DiagnosticsLimits {
 
 /// A warning if the measured vertical offset exceeds `limit_px` (0: no limit), with the offset and
 /// the residual vertical offset after the rectification correction; else empty.
-std::string misalignmentWarning(const ProcessedFrame& frame, double limit_px);
+std::string verticalOffsetWarning(const ProcessedFrame& frame, double limit_px);
 
 /// Reasons for dropping a frame.
 enum class FrameDrop { kBusy, kBadInput, kFailed };
@@ -93,7 +93,7 @@ class StereoDiagnostics {
     double memory_mb = 0;
     RectificationState rectification;
     bool is_corrected = false;
-    std::string misalignment;
+    std::string vertical_offset_warning;
     std::vector<std::string> warnings;  ///< about input and calibration
   };
   struct Fault {

@@ -12,7 +12,6 @@
 #include "ros/guarded.h"
 #include "ros/parameter_server.h"
 #include "ros/stamps.h"
-#include "ros/start_nodelet.h"
 
 #include "cbmv_stereo/parameters.h"
 
@@ -27,7 +26,7 @@ enum Cause {
   kFailed = 100,
   kRangeClipped,
   kColorUnusable,
-  kMisaligned,
+  kVerticalOffset,
   kWrongStamps,
   kDoubtfulInput
 };
@@ -278,10 +277,10 @@ void StereoNodelet::warnOf(const ProcessedFrame& processed) {
   if (!processed.range_correction.empty()) {
     warn(kRangeClipped, processed.range_correction);
   }
-  const std::string misalignment =
-      misalignmentWarning(processed, diagnostics_->limits().vertical_offset_px);
-  if (!misalignment.empty() && rig_throttle_.isDue(kMisaligned)) {
-    NODELET_WARN_STREAM(misalignment);
+  const std::string offset_warning =
+      verticalOffsetWarning(processed, diagnostics_->limits().vertical_offset_px);
+  if (!offset_warning.empty() && rig_throttle_.isDue(kVerticalOffset)) {
+    NODELET_WARN_STREAM(offset_warning);
   }
   if (!processed.warnings.empty() && rig_throttle_.isDue(kDoubtfulInput)) {
     for (const std::string& warning : processed.warnings) {

@@ -53,6 +53,13 @@ std::vector<std::string> words(const std::string& text) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
+std::string parameterAdvice(const std::string& name, const std::string& parameter) {
+  const std::string what =
+      name == parameter ? "It is a parameter." : "Did you mean the parameter " + parameter + "?";
+  return what +
+         " Set it as a private parameter of the node, in a preset, or with dynamic_reconfigure";
+}
+
 }  // namespace
 
 std::string nearestName(const std::string& name, const std::vector<std::string>& names) {
@@ -87,15 +94,9 @@ std::vector<std::string> describeUnknownArguments(const std::string& arguments,
       continue;  // reserved by roslaunch, for example __ns
     }
     const std::string nearest = nearestName(name, all);
-    std::string message =
-        name + " is not an argument of the launch file and is ignored. Did you mean ";
-    message += nearest + "?";
-    if (!holds(known, nearest)) {
-      message +=
-          " It is a parameter, not an argument: set it as a private parameter of the node, in a "
-          "preset, or with dynamic_reconfigure";
-    }
-    messages.push_back(std::move(message));
+    messages.push_back(
+        name + " is not an argument of the launch file and is ignored. " +
+        (holds(known, nearest) ? "Did you mean " + nearest + "?" : parameterAdvice(name, nearest)));
   }
   return messages;
 }

@@ -44,7 +44,7 @@ class MapPlanes {
  public:
   void prepare(const JudgedMaps& maps);
 
-  cv::Mat unmatched;    ///< CV_8UC1: 250 where the left-right check failed, otherwise 0
+  cv::Mat unmatched;    ///< CV_8UC1: 250 where the left-right consistency check failed, otherwise 0
   cv::Mat probability;  ///< CV_8UC1, in 1/255
   cv::Mat margin;       ///< CV_16UC1, at most kHighestMargin
   cv::Mat roughness;  ///< CV_8UC1: differences to the next pixels in x and y, in 1/64 px, up to 248

@@ -117,7 +117,7 @@ void writeDepth(const std::string& folder, const ProcessedFrame& frame, const cv
 
 /// Warns about images that are not rectified: their depth is wrong even if their rows are aligned
 /// later.
-void warnOfMisalignedRows(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
+void warnOfVerticalOffset(const Arguments& arguments, const VerticalOffsetMeasurement& rows) {
   if (rows.model.matches > 0 && rows.rms_before_px > kMostPxApart) {
     std::fprintf(
         stderr,
@@ -139,7 +139,7 @@ void match(const Arguments& arguments) {
   for (const std::string& warning : pair.warnings) {
     std::fprintf(stderr, "%s: warning: %s\n", kTool, warning.c_str());
   }
-  warnOfMisalignedRows(arguments, processor.measureOffset(pair));
+  warnOfVerticalOffset(arguments, processor.measureOffset(pair));
   std::fputs(describeOptions(options).c_str(), stdout);
 
   OwnOffset offset;

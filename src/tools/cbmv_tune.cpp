@@ -1,4 +1,4 @@
-// Searches parameters of optimization and refinement on pairs with ground truth.
+// Searches parameters of cost aggregation, SGM and refinement on pairs with ground truth.
 
 #include <algorithm>
 #include <cstdio>
@@ -114,7 +114,8 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
 // NOLINTNEXTLINE(bugprone-exception-escape): only if an option is declared incorrectly
 int main(int argc, char** argv) {
   CLI::App app{
-      "Searches the parameters of optimization and refinement on rectified stereo pairs with "
+      "Searches the parameters of cost aggregation, SGM and refinement on rectified stereo pairs "
+      "with "
       "ground "
       "truth, and writes them as a preset"};
   Arguments arguments;

@@ -30,8 +30,8 @@ using BoostingProgress = std::function<void(int, double)>;
 
 /// Gradient boosting of oblivious trees for logistic loss (Friedman 2001, with second derivatives):
 /// each level asks the question that lowers the loss most, summed over all leaves. Leaves are
-/// rounded to `leaf_unit` at once, so that later trees mend the rounding of earlier ones. Sums are
-/// of integers: the same forest with any number of threads.
+/// rounded to `leaf_unit` at once, so that later trees correct the rounding of earlier ones. Sums
+/// are of integers: the same forest with any number of threads.
 ///
 /// Throws Error if an option is out of range, one of the classes has no samples to train on, or no
 /// sample is held out. The result's provenance holds samples, held_out_log_loss and

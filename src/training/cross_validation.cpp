@@ -100,7 +100,7 @@ DisparitySource foldSource(const std::vector<SceneReference>& scenes,
                 " presets, expected one, or three, one for each fold. Correct --preset");
   }
   for (const SceneReference& scene : scenes) {
-    foldOf(scene.scene);  // refuses before the first training
+    foldOf(scene.scene);  // other scenes are rejected before the first training
   }
   const auto matcher = std::make_shared<FoldMatcher>(scenes, training, options, report);
   return [matcher](const StereoScene& scene) { return matcher->match(scene); };

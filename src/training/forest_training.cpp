@@ -202,7 +202,7 @@ Samples drawSamples(const std::vector<SceneReference>& scenes, const TrainingOpt
   const auto total = static_cast<int>(scenes.size());
   int done = 0;
   for (const SceneReference& scene : scenes) {
-    scene.read();  // refuses before hours are spent
+    scene.read();  // bad files are rejected before hours are spent
     progress({"reading", ++done, total, ""});
   }
   LevelSampler sampler(options, trainFirstForest(scenes, options, pixels, progress));

@@ -132,9 +132,10 @@ ParameterSpace::Axis ParameterSpace::findAxis(const std::string& name) {
       return {parameter, bounds.lowest, bounds.highest, bounds.step, bounds.logarithmic};
     }
   }
-  throw Error("parameter " + name +
-              " cannot be searched, expected parameters of optimization and refinement that are "
-              "numbers. Correct --parameters");
+  throw Error(
+      "parameter " + name +
+      " cannot be searched, expected parameters of cost aggregation, SGM and refinement that are "
+      "numbers. Correct --parameters");
 }
 
 double ParameterSpace::valueAt(const Axis& axis, double coordinate) {

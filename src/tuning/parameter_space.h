@@ -9,8 +9,8 @@
 
 namespace cbmv {
 
-/// The parameters in a preset: optimization and refinement. The others describe the camera or
-/// change the matching cost volume.
+/// The parameters in a preset: cost aggregation, SGM and refinement. The others describe the camera
+/// or change the matching cost volume.
 std::vector<Parameter> presetParameters();
 
 /// Parameters that are searched by default.

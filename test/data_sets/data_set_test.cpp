@@ -145,7 +145,7 @@ TEST_F(DataSetTest, ReadsMiddlebury2005) {
 const std::vector<std::pair<std::string, double>> kKindsOf2005 = {
     {"middlebury_2005", 3}, {"middlebury_2005_half", 2}, {"middlebury_2005_full", 1}};
 
-TEST_F(DataSetTest, RefusesImagesOf2005ThatAreTooWideForTheirSize) {
+TEST_F(DataSetTest, RejectsImagesOf2005ThatAreTooWideForTheirSize) {
   for (const auto& [width, size, kind] :
        std::vector<std::tuple<int, std::size_t, std::string>>{{465, 0, "middlebury_2005"},
                                                               {620, 1, "middlebury_2005_half"},

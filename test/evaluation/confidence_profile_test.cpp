@@ -244,7 +244,7 @@ TEST(ConfidenceProfile, IsNotKnownOfWhatIsNoProbability) {
   }
 }
 
-TEST(ConfidenceProfile, RefusesOtherSizesAndTypes) {
+TEST(ConfidenceProfile, RejectsOtherSizesAndTypes) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
   EXPECT_THROW(profileConfidence(map, map.rowRange(0, 2), map, mask, kInvalid, 1.0F), Error);

@@ -161,7 +161,7 @@ TEST(EvaluateDisparity, NothingCountedIsAllZero) {
   EXPECT_EQ(error.a99_px, 0.0);
 }
 
-TEST(EvaluateDisparity, RefusesOtherSizesAndTypes) {
+TEST(EvaluateDisparity, RejectsOtherSizesAndTypes) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
   EXPECT_THROW(evaluateDisparity(map, map.rowRange(0, 2), mask, kInvalid), Error);

@@ -70,7 +70,7 @@ TEST(MatchingSource, TellsNeedAndPresenceOfMemory) {
                        {"65535x65535", "4096 disparities need", "but the machine has"}));
 }
 
-TEST(MatchingSource, RefusesInconsistentOptions) {
+TEST(MatchingSource, RejectsInconsistentOptions) {
   StereoOptions options;
   options.sgm.p1 = options.sgm.p2 + 1.0F;
   EXPECT_THROW(matchingSource(std::make_shared<Forest>(test::makeForest(1, 1, 1)), options), Error);

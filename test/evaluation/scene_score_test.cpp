@@ -170,7 +170,7 @@ TEST(SceneScore, LeavesOpenWhatIsNotKnown) {
   EXPECT_EQ(score.curves.error_histogram.size(), kErrorBins + 1);
 }
 
-TEST(SceneScore, RefusesASceneWithoutVisiblePixels) {
+TEST(SceneScore, RejectsASceneWithoutVisiblePixels) {
   StereoScene scene = makeScene();
   scene.visible = 128;
   EXPECT_TRUE(mentions(errorText([&] { scoreScene(scene, makeMaps()); }), {"no pixel"}));

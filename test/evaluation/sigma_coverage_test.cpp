@@ -84,7 +84,7 @@ TEST(SigmaCoverage, WithoutInliersNothingIsKnown) {
               std::isnan(coverage.rms()));
 }
 
-TEST(SigmaCoverage, RefusesOtherSizesAndTypes) {
+TEST(SigmaCoverage, RejectsOtherSizesAndTypes) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
   EXPECT_THROW(coverSigma(map, map.rowRange(0, 2), map, mask, kInvalid, 1.0F), Error);

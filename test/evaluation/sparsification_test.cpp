@@ -140,7 +140,7 @@ TEST(Sparsification, NothingCountedIsAllZero) {
   EXPECT_EQ(result.bad, std::vector<double>(100, 0.0));
 }
 
-TEST(Sparsification, RefusesOtherSizesAndTypes) {
+TEST(Sparsification, RejectsOtherSizesAndTypes) {
   const cv::Mat map = cv::Mat::zeros(3, 3, CV_32FC1);
   const cv::Mat mask = cv::Mat::zeros(3, 3, CV_8UC1);
   EXPECT_THROW(sparsify(map, map.rowRange(0, 2), map, mask, kInvalid, kBadPx), Error);

@@ -119,7 +119,7 @@ TEST(ForestFile, NamesDamage) {
 }
 
 /// Inputs that would overflow the stack, take minutes, or be read as another number.
-TEST(ForestFile, RefusesHostileJson) {
+TEST(ForestFile, RejectsHostileJson) {
   const auto fault = [](const std::string& text) {
     return errorText([&] { parseForest(text, "hostile"); });
   };
@@ -143,14 +143,14 @@ TEST(ForestFile, RefusesHostileJson) {
   }
 }
 
-TEST(ForestFile, RefusesLargeFilesBeforeItReadsThem) {
+TEST(ForestFile, RejectsLargeFilesBeforeItReadsThem) {
   writeAll(pathOf("large"), "{");
   std::filesystem::resize_file(pathOf("large"), (64 << 20) + 1);
   EXPECT_THAT(rejection(pathOf("large")), HasSubstr("at most 64 MiB"));
   std::filesystem::remove(pathOf("large"));
 }
 
-TEST(ForestFile, RefusesToWriteWhatCannotBeRead) {
+TEST(ForestFile, RejectsToWriteWhatCannotBeRead) {
   const auto write_changed = [](const auto& change) {
     Forest forest = makeForest(3, 4, 2);
     change(forest);
@@ -208,7 +208,7 @@ std::string rejectionToWrite(const Forest& forest) {
   }
 }
 
-TEST(ForestFile, RefusesToWriteMoreThanIsRead) {
+TEST(ForestFile, RejectsToWriteMoreThanIsRead) {
   Forest forest = makeForest(1, 1, 1);
   forest.provenance.options = std::string(64 << 20, 'x');
   EXPECT_THAT(rejectionToWrite(forest), AllOf(HasSubstr("rejected"), HasSubstr("64 MiB")));
@@ -220,7 +220,7 @@ TEST(ForestFile, GeneralTreesTakeNoMoreThanTheirNumbers) {
   EXPECT_LT(contentOf(pathOf("compact")).size(), 5 * 8001 * 15U);
 }
 
-TEST(ForestFile, RefusesGeneralTreesThatCannotBeWalked) {
+TEST(ForestFile, RejectsGeneralTreesThatCannotBeWalked) {
   const auto changed = [](const auto& change) {
     Forest forest = makeGeneralForest(3, 10, 2);
     change(forest.general_trees[1].nodes);
@@ -445,8 +445,8 @@ TEST(ForestFile, NamesUnknownKind) {
 }
 
 /// Values that would be written outside the forest or truncated to other numbers.
-TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
-  const auto refusal_of = [](int code_maps, const std::string& level, const std::string& leaf) {
+TEST(ForestFile, RejectsNumbersThatDoNotFitATree) {
+  const auto error_of = [](int code_maps, const std::string& level, const std::string& leaf) {
     std::string maps = "[1, 0]";
     for (int i = 1; i < code_maps; ++i) {
       maps += ", [1, 0]";
@@ -455,43 +455,43 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitATree) {
                             R"(], "trees": [{"levels": [)" + level + R"(], "leaves": [0, )" + leaf +
                             "]}]}");
   };
-  EXPECT_EQ(refusal_of(20, "[19, 255]", "127"), "");
-  EXPECT_THAT(refusal_of(19, "[19, 255]", "127"), HasSubstr("19 code maps instead of 20"));
-  EXPECT_THAT(refusal_of(21, "[19, 255]", "127"), HasSubstr("21 code maps instead of 20"));
-  EXPECT_THAT(refusal_of(20, "[20, 255]", "127"), HasSubstr("feature is 20"));
-  EXPECT_THAT(refusal_of(20, "[-1, 255]", "127"), HasSubstr("feature is -1"));
-  EXPECT_THAT(refusal_of(20, "[19, 256]", "127"), HasSubstr("threshold is 256"));
-  EXPECT_THAT(refusal_of(20, "[19, 255]", "128"), HasSubstr("leaf is 128"));
-  EXPECT_THAT(refusal_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
+  EXPECT_EQ(error_of(20, "[19, 255]", "127"), "");
+  EXPECT_THAT(error_of(19, "[19, 255]", "127"), HasSubstr("19 code maps instead of 20"));
+  EXPECT_THAT(error_of(21, "[19, 255]", "127"), HasSubstr("21 code maps instead of 20"));
+  EXPECT_THAT(error_of(20, "[20, 255]", "127"), HasSubstr("feature is 20"));
+  EXPECT_THAT(error_of(20, "[-1, 255]", "127"), HasSubstr("feature is -1"));
+  EXPECT_THAT(error_of(20, "[19, 256]", "127"), HasSubstr("threshold is 256"));
+  EXPECT_THAT(error_of(20, "[19, 255]", "128"), HasSubstr("leaf is 128"));
+  EXPECT_THAT(error_of(20, "[19, 255]", "-129"), HasSubstr("leaf is -129"));
 }
 
 /// The same for the second forests in a file; the message names the forest.
-TEST(ForestFile, RefusesNumbersThatDoNotFitTheFurtherForests) {
+TEST(ForestFile, RejectsNumbersThatDoNotFitTheFurtherForests) {
   const auto further = [](const std::string& level, const std::string& sigma = "") {
     return R"({"features": ["a", "roughness_5"], "bias": 0, "leaf_unit": 1, "trees": [
                {"levels": [)" +
            level + R"(], "leaves": [0, 1]}])" + sigma + "}";
   };
-  const auto refusal_of = [](const std::string& confidence, const std::string& selection,
-                             int version = 2) {
+  const auto error_of = [](const std::string& confidence, const std::string& selection,
+                           int version = 2) {
     return rejectionOfModel(R"({"features": 20, "kind": "general", "output": "log_odds", "bias": 0,
                               "trees": [{"nodes": [0]}], "confidence_forest": )" +
                                 confidence + R"(, "selection_forest": )" + selection + "}",
                             version);
   };
   const std::string good = further("[1, 255]");
-  EXPECT_EQ(refusal_of(good, good), "");
-  EXPECT_THAT(refusal_of(further("[2, 255]"), good),
+  EXPECT_EQ(error_of(good, good), "");
+  EXPECT_THAT(error_of(further("[2, 255]"), good),
               HasSubstr("folder/text: confidence forest: a tree's feature is 2"));
-  EXPECT_THAT(refusal_of(good, further("[2, 255]")),
+  EXPECT_THAT(error_of(good, further("[2, 255]")),
               HasSubstr("folder/text: selection forest: a tree's feature is 2"));
-  EXPECT_THAT(refusal_of(good, "{}"),
+  EXPECT_THAT(error_of(good, "{}"),
               AllOf(HasSubstr("selection forest: has a missing"), HasSubstr("key 'features'")));
-  EXPECT_EQ(refusal_of("{}", "{}", 1), "");  // version 1 has no such entries
+  EXPECT_EQ(error_of("{}", "{}", 1), "");  // version 1 has no such entries
 }
 
-TEST(ForestFile, RefusesNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
-  const auto refusal_of = [](const std::string& bounds) {
+TEST(ForestFile, RejectsNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
+  const auto error_of = [](const std::string& bounds) {
     std::string sigmas = "1";
     for (int k = 1; k < 40; ++k) {
       sigmas += ", 10";
@@ -503,13 +503,13 @@ TEST(ForestFile, RefusesNumbersThatDoNotFitTheModelOfTheStandardDeviation) {
                                 sigmas + "]" + bounds + "}}",
                             2);
   };
-  EXPECT_EQ(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 255])"), "");
-  EXPECT_THAT(refusal_of(""), HasSubstr("key 'sigma_roughness_bounds'"));
-  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1])"), HasSubstr("has 2 sigma_rough"));
-  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 2, 3])"), HasSubstr("has 4 sigma"));
-  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 256])"), HasSubstr("is 256"));
-  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": [0, 1, 1.5])"), HasSubstr("whole number"));
-  EXPECT_THAT(refusal_of(R"(, "sigma_roughness_bounds": 7)"), HasSubstr("has 1 sigma_rough"));
+  EXPECT_EQ(error_of(R"(, "sigma_roughness_bounds": [0, 1, 255])"), "");
+  EXPECT_THAT(error_of(""), HasSubstr("key 'sigma_roughness_bounds'"));
+  EXPECT_THAT(error_of(R"(, "sigma_roughness_bounds": [0, 1])"), HasSubstr("has 2 sigma_rough"));
+  EXPECT_THAT(error_of(R"(, "sigma_roughness_bounds": [0, 1, 2, 3])"), HasSubstr("has 4 sigma"));
+  EXPECT_THAT(error_of(R"(, "sigma_roughness_bounds": [0, 1, 256])"), HasSubstr("is 256"));
+  EXPECT_THAT(error_of(R"(, "sigma_roughness_bounds": [0, 1, 1.5])"), HasSubstr("whole number"));
+  EXPECT_THAT(error_of(R"(, "sigma_roughness_bounds": 7)"), HasSubstr("has 1 sigma_rough"));
 }
 
 /// As written by XGBoost; the first tree tests whether feature 3 is below 1.5.

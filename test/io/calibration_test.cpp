@@ -74,7 +74,7 @@ TEST(Calibration, NamesFileAndKeyThatIsWrong) {
   EXPECT_TRUE(mentions(error("496", "4x"), {"height is not"}));
 }
 
-TEST(Calibration, RefusesLargeFiles) {
+TEST(Calibration, RejectsLargeFiles) {
   const TemporaryFolder folder;
   const std::string path = folder.write("calib.txt", kValid);
   std::filesystem::resize_file(path, (1 << 20) + 1);

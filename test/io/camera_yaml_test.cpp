@@ -94,7 +94,7 @@ TEST(CameraYaml, NamesFileAndKeyThatIsWrong) {
   EXPECT_TRUE(mentions(errorText([&] { readCameraYaml(large); }), {"at most 1048576"}));
 }
 
-TEST(CameraYaml, PairsThatAreNoneAreRefused) {
+TEST(CameraYaml, PairsThatAreNoneAreRejected) {
   const TemporaryFolder folder;
   const std::string left = folder.write("left.yaml", kLeft);
   const auto error = [&](const std::string& from, const std::string& to) {

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "io/image_size.h"
+#include "io/image_decoding.h"
 #include "support/error_text.h"
 #include "support/file_content.h"
 #include "support/temporary_folder.h"
@@ -87,7 +87,7 @@ std::uint64_t claimedPixelsOf(const std::string& bytes, std::size_t size) {
   return claimedPixels(reinterpret_cast<const std::uint8_t*>(bytes.data()), size);
 }
 
-TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
+TEST(ImageFile, RejectsHugeClaimsBeforeItTakesMemory) {
   const TemporaryFolder folder;
   for (const std::string& content : {hugePng(), hugeJpeg()}) {
     const std::string file = folder.write("huge", content);
@@ -101,7 +101,7 @@ TEST(ImageFile, RefusesHugeClaimsBeforeItTakesMemory) {
 }
 
 /// OpenCV throws if its own limits are exceeded.
-TEST(ImageFile, RefusesHugeClaimsOfOtherFormats) {
+TEST(ImageFile, RejectsHugeClaimsOfOtherFormats) {
   const TemporaryFolder folder;
   const std::string file = folder.write("huge.pgm", "P5\n65535 65535\n255\n");
   EXPECT_TRUE(mentions(errorText([&] { readGrayImage(file); }), {file, "not an image"}));

@@ -17,7 +17,7 @@ using testing::IsEmpty;
 
 class BagCheckTest : public testing::Test {
  protected:
-  BagCheck check() { return checkBags(conversionOf(input_, ""), fixtureForest()); }
+  BagCheck check() { return checkBags(processingOf(input_, ""), fixtureForest()); }
 
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");

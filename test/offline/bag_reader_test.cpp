@@ -109,7 +109,7 @@ TEST(BagReader, ReadsBagsThatAreStillBeingRecorded) {
   EXPECT_THAT(reader.damage(), testing::HasSubstr("rosbag reindex"));
 }
 
-TEST(BagReader, RefusesWhatIsNoBag) {
+TEST(BagReader, RejectsWhatIsNoBag) {
   const TemporaryFolder folder;
   for (const char* content : {"", "#ROSBAG V1.2\nabc", "P5 3 4"}) {
     const std::string path = folder.write("no.bag", content);
@@ -268,7 +268,7 @@ TEST(BagReader, ReadsNoFieldBehindItsHeader) {
 }
 
 /// A sparse file: it has the claimed length, and the missing data are zero.
-TEST(BagReader, RefusesTextsOfMoreThan64MiB) {
+TEST(BagReader, RejectsTextsOfMoreThan64MiB) {
   constexpr std::uint32_t most = 64 << 20;
   for (const std::uint32_t size : {most, most + 1}) {
     const std::string op = sized(kOpConnection);

@@ -25,7 +25,7 @@ namespace cbmv {
 namespace {
 
 namespace fs = std::filesystem;
-using test::expectRefusal;
+using test::expectRejection;
 using test::Outcome;
 
 /// The lines of an output that begin with the program's name.
@@ -217,7 +217,7 @@ TEST_F(CbmvBagTest, MemoryDoesNotGrowWithTheRecording) {
 }
 
 /// Frames that need too much memory fail. The message is in the summary and in the index.
-TEST_F(CbmvBagTest, RefusesWhatNeedsTooMuchMemory) {
+TEST_F(CbmvBagTest, RejectsWhatNeedsTooMuchMemory) {
   writeRecording(folder_.file("in.bag"), 2);
   EXPECT_EQ(run("out/", "--max-memory-mb 1 --json " + folder_.file("summary.json")).status, 3);
   for (const char* file : {"summary.json", "out/index.csv"}) {
@@ -226,26 +226,26 @@ TEST_F(CbmvBagTest, RefusesWhatNeedsTooMuchMemory) {
   EXPECT_EQ(run("out/", "--max-memory-mb 100 --overwrite").status, 0);
 }
 
-TEST_F(CbmvBagTest, RefusesWithOneSentence) {
-  expectRefusal(run("out.bag"), {"cbmv_bag:", "in.bag", "No such file"});
+TEST_F(CbmvBagTest, RejectsWithOneLine) {
+  expectRejection(run("out.bag"), {"cbmv_bag:", "in.bag", "No such file"});
   writeRecording(folder_.file("in.bag"), 1);
-  expectRefusal(run("out.bag", "--compression zip"), {"'zip'", "lz4"});
-  expectRefusal(run("out.bag", "--write flow"), {"'flow'"});
+  expectRejection(run("out.bag", "--compression zip"), {"'zip'", "lz4"});
+  expectRejection(run("out.bag", "--write flow"), {"'flow'"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
   EXPECT_EQ(run("out.bag", "--format video").status, 2);
-  expectRefusal(run("in.bag/", ""), {"in.bag", "folder"});
+  expectRejection(run("in.bag/", ""), {"in.bag", "folder"});
 }
 
-TEST_F(CbmvBagTest, RefusesDifferentFrameIdsIfAsked) {
+TEST_F(CbmvBagTest, RejectsDifferentFrameIdsIfAsked) {
   writeRecording(folder_.file("in.bag"), 1, [](rosbag::Bag& bag) {
     PairMessages messages = recordedFrame(1);
     messages.right_image->header.frame_id = "right_camera";
     writeFrame(bag, messages);
   });
   EXPECT_EQ(run("taken.bag").status, 0);
-  EXPECT_EQ(run("refused.bag", "--refuse-different-frame-ids").status, 3);
+  EXPECT_EQ(run("rejected.bag", "--reject-different-frame-ids").status, 3);
   EXPECT_EQ(messagesOf(folder_.file("taken.bag")).size(),
-            2 * messagesOf(folder_.file("refused.bag")).size());
+            2 * messagesOf(folder_.file("rejected.bag")).size());
 }
 
 TEST_F(CbmvBagTest, TakesAnAnswerWhetherImagesAreRectified) {
@@ -269,7 +269,7 @@ TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 6);
   Outcome outcome = run("out.bag", "--frames-per-part 1000", "ulimit -f 60;");
   outcome.output = linesOf("cbmv_bag", outcome.output);  // on Debian 13, class_loader adds others
-  expectRefusal(outcome, {"cannot write", "out.bag.part", "File too large"});
+  expectRejection(outcome, {"cannot write", "out.bag.part", "File too large"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
   EXPECT_EQ(run("out.bag", "--resume").status, 0);
   EXPECT_EQ(messagesOf(folder_.file("out.bag")).size(), 6U);
@@ -279,7 +279,7 @@ TEST_F(CbmvBagTest, NamesTheFileThatCannotGrow) {
 TEST_F(CbmvBagTest, NamesTheFileOfAFolderThatCannotGrow) {
   writeRecording(folder_.file("in.bag"), 4);
   const Outcome outcome = run("out/", "--write disparity,cloud", "ulimit -f 60;");
-  expectRefusal(outcome, {"Cannot write", "points2/", "free space"});
+  expectRejection(outcome, {"Cannot write", "points2/", "free space"});
   EXPECT_FALSE(fs::exists(folder_.file("out/index.csv")));
   EXPECT_EQ(filesThatBegin("out/points2/."), 0U) << "an unfinished file is left";
   EXPECT_EQ(run("out/", "--write disparity,cloud --resume").status, 0);
@@ -300,16 +300,16 @@ TEST_F(CbmvBagTest, ExitStatusTellsThatNothingWasDone) {
 TEST_F(CbmvBagTest, KeepsTheRecordingThatIsNamedAsOutput) {
   writeRecording(folder_.file("in.bag"), 1);
   const std::string content = contentOf(folder_.file("in.bag"));
-  expectRefusal(run("in.bag", "--overwrite"), {"would overwrite the input", "in.bag"});
-  expectRefusal(run("out.bag", "--json " + folder_.file("in.bag")),
-                {"would overwrite the input", "in.bag"});
-  expectRefusal(test::run("cbmv_bag", "merge " + folder_.file("in.bag") + " --overwrite --output " +
-                                          folder_.file("./in.bag")),
-                {"would overwrite the input", "in.bag"});
-  expectRefusal(test::run("cbmv_bag", "check " + folder_.file("in.bag") + " --forest " +
-                                          folder_.file("fixture.forest") + " --json " +
-                                          folder_.file("in.bag")),
-                {"would overwrite the input", "in.bag"});
+  expectRejection(run("in.bag", "--overwrite"), {"would overwrite the input", "in.bag"});
+  expectRejection(run("out.bag", "--json " + folder_.file("in.bag")),
+                  {"would overwrite the input", "in.bag"});
+  expectRejection(test::run("cbmv_bag", "merge " + folder_.file("in.bag") +
+                                            " --overwrite --output " + folder_.file("./in.bag")),
+                  {"would overwrite the input", "in.bag"});
+  expectRejection(test::run("cbmv_bag", "check " + folder_.file("in.bag") + " --forest " +
+                                            folder_.file("fixture.forest") + " --json " +
+                                            folder_.file("in.bag")),
+                  {"would overwrite the input", "in.bag"});
   EXPECT_EQ(contentOf(folder_.file("in.bag")), content);
 }
 
@@ -317,18 +317,18 @@ TEST_F(CbmvBagTest, KeepsTheForestThatIsNamedAsOutput) {
   writeRecording(folder_.file("in.bag"), 1);
   const std::string forest = folder_.file("fixture.forest");
   const std::string content = contentOf(forest);
-  expectRefusal(run("fixture.forest", "--overwrite"), {"would overwrite the input", forest});
-  expectRefusal(run("out.bag", "--json " + forest), {"would overwrite the input", forest});
+  expectRejection(run("fixture.forest", "--overwrite"), {"would overwrite the input", forest});
+  expectRejection(run("out.bag", "--json " + forest), {"would overwrite the input", forest});
   EXPECT_EQ(contentOf(forest), content);
 }
 
 TEST_F(CbmvBagTest, SummaryIsNotWrittenOverTheOutput) {
   writeRecording(folder_.file("in.bag"), 1);
-  expectRefusal(run("out.bag", "--json " + folder_.file("./out.bag")), {"--json and --output"});
+  expectRejection(run("out.bag", "--json " + folder_.file("./out.bag")), {"--json and --output"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
   EXPECT_EQ(run("out/", "").status, 0);
-  expectRefusal(run("out/", "--overwrite --json " + folder_.file("out/index.csv")),
-                {"--json and --output"});
+  expectRejection(run("out/", "--overwrite --json " + folder_.file("out/index.csv")),
+                  {"--json and --output"});
 }
 
 /// The merge writes a temporary file beside its output and removes it.
@@ -338,17 +338,17 @@ TEST_F(CbmvBagTest, MergeKeepsTheShardThatIsNamedAsItsOwnFile) {
   ASSERT_EQ(run("all.bag.merge", "--shard 1/2").status, 0);
   ASSERT_EQ(run("2.bag", "--shard 2/2").status, 0);
   const std::string content = contentOf(first);
-  expectRefusal(test::run("cbmv_bag", "merge " + first + " " + folder_.file("2.bag") +
-                                          " --output " + folder_.file("all.bag")),
-                {"would overwrite the input", "all.bag.merge"});
+  expectRejection(test::run("cbmv_bag", "merge " + first + " " + folder_.file("2.bag") +
+                                            " --output " + folder_.file("all.bag")),
+                  {"would overwrite the input", "all.bag.merge"});
   EXPECT_EQ(contentOf(first), content);
 }
 
 TEST_F(CbmvBagTest, FindsOutputsThatCannotBeWrittenBeforeTheWork) {
   writeRecording(folder_.file("in.bag"), 1);
-  expectRefusal(run("missing/out.bag"), {"missing"});
-  expectRefusal(run("out.bag", "--json " + folder_.file("missing/summary.json")),
-                {"missing/summary.json"});
+  expectRejection(run("missing/out.bag"), {"missing"});
+  expectRejection(run("out.bag", "--json " + folder_.file("missing/summary.json")),
+                  {"missing/summary.json"});
   EXPECT_FALSE(fs::exists(folder_.file("out.bag")));
 }
 

@@ -41,11 +41,11 @@ class DoubleRectification : public testing::Test {
     return doubleRectificationWarning(plan.topics, plan.frames.at(0), options_);
   }
   /// The warning for a bag of the pair as rectified images.
-  std::string misaligned(const PairMessages& messages) {
+  std::string offsetWarning(const PairMessages& messages) {
     TopicChoice as_they_are;
     as_they_are.rectified = Rectified::kYes;
     const FramePlan plan = planOf(messages, as_they_are);
-    return misalignedRowsWarning(plan.topics, plan.frames.at(0), options_);
+    return verticalOffsetWarning(plan.topics, plan.frames.at(0), options_);
   }
 
  private:
@@ -105,14 +105,14 @@ TEST_F(DoubleRectification, IsNotTakenForACalibrationThatDoesNotFit) {
 /// Raw images whose topics have names of rectified images.
 TEST_F(DoubleRectification, RowsOfRawImagesTakenAsRectifiedAreWarnedOf) {
   PairMessages messages = rectifiedPair();
-  EXPECT_THAT(misaligned(messages), IsEmpty());
+  EXPECT_THAT(offsetWarning(messages), IsEmpty());
   Lens left = weakened(kLeftLens, 0);
   Lens right = weakened(kRightLens, 0);
   left.rotation = {0.006, 0, 0};
   right.rotation = {-0.006, 0, 0};
   makeRaw(left, right, messages);
-  EXPECT_THAT(misaligned(messages), HasSubstr("px, expected at most 1.00 px"));
-  EXPECT_THAT(misaligned(messages), HasSubstr("Use --rectified no"));
+  EXPECT_THAT(offsetWarning(messages), HasSubstr("px, expected at most 1.00 px"));
+  EXPECT_THAT(offsetWarning(messages), HasSubstr("Use --rectified no"));
 }
 
 }  // namespace

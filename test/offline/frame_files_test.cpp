@@ -54,7 +54,8 @@ class FrameFilesTest : public testing::Test {
   FrameFilesTest() {
     bag_.outputs = folder_options_.outputs = fixtureOutputs();
     folder_options_.files = DisparityFormat::kPfm;
-    for (ConversionOptions* options : {&bag_, &folder_options_}) {  // some pixels have no disparity
+    for (BagProcessingOptions* options :
+         {&bag_, &folder_options_}) {  // some pixels have no disparity
       options->matching.stereo.refinement.fill_occlusions = false;
       options->matching.stereo.refinement.fill_mismatches = false;
     }
@@ -68,8 +69,9 @@ class FrameFilesTest : public testing::Test {
       writeFrame(bag, recordedFrame(3));
     });
   }
-  ConversionSummary convert(const ConversionOptions& options, const ConversionEvents& events = {}) {
-    return convertBags(options, fixtureForest(), events);
+  BagProcessingSummary process(const BagProcessingOptions& options,
+                               const BagProcessingEvents& events = {}) {
+    return processBags(options, fixtureForest(), events);
   }
   template <typename Message>
   std::vector<boost::shared_ptr<Message>> messages(const std::string& output) {
@@ -102,8 +104,8 @@ class FrameFilesTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");
-  ConversionOptions bag_ = conversionOf(input_, folder_.file("out.bag"));
-  ConversionOptions folder_options_ = conversionOf(input_, folder_.file("out"));
+  BagProcessingOptions bag_ = processingOf(input_, folder_.file("out.bag"));
+  BagProcessingOptions folder_options_ = processingOf(input_, folder_.file("out"));
 };
 
 template <typename Value>
@@ -124,8 +126,8 @@ void expectSame(const cv::Mat& found, const cv::Mat_<Value>& expected) {
 
 TEST_F(FrameFilesTest, HoldWhatTheMessagesOfABagHold) {
   writeInput();
-  convert(bag_);
-  EXPECT_EQ(convert(folder_options_).failed, 1U);
+  process(bag_);
+  EXPECT_EQ(process(folder_options_).failed, 1U);
 
   compare<stereo_msgs::DisparityImage>("disparity", [](const auto& path, const auto& message) {
     cv::Mat_<float> expected = pixels<float>(message.image);
@@ -165,8 +167,8 @@ TEST_F(FrameFilesTest, HoldWhatTheMessagesOfABagHold) {
 TEST_F(FrameFilesTest, CloudsHoldThePointsThatThereAre) {
   writeInput();
   bag_.outputs = folder_options_.outputs = {"cloud"};
-  convert(bag_);
-  convert(folder_options_);
+  process(bag_);
+  process(folder_options_);
   compare<sensor_msgs::PointCloud2>("points2", [&](const auto& path, const auto& message) {
     const std::vector<ColoredPoint> points = fromPointCloud(message);
     ASSERT_GT(points.size(), 100U);
@@ -179,7 +181,7 @@ TEST_F(FrameFilesTest, CloudsHoldThePointsThatThereAre) {
 TEST_F(FrameFilesTest, IndexNamesFramesAndFailures) {
   writeInput();
   folder_options_.outputs = {"disparity", "confidence"};
-  convert(folder_options_);
+  process(folder_options_);
   const std::vector<Row> rows = readIndex(folder_options_.output + "/index.csv");
   ASSERT_EQ(rows.size(), 5U);
   EXPECT_EQ(rows[0], (Row{"frame", "stamp", "frame_id", "disparity", "confidence", "failure"}));
@@ -198,8 +200,8 @@ TEST_F(FrameFilesTest, DisparitiesForKitti) {
   writeInput();
   bag_.outputs = folder_options_.outputs = {"disparity"};
   folder_options_.files = DisparityFormat::kKitti;
-  convert(bag_);
-  convert(folder_options_);
+  process(bag_);
+  process(folder_options_);
   compare<stereo_msgs::DisparityImage>("disparity", [](const auto& path, const auto& message) {
     const cv::Mat_<float> published = pixels<float>(message.image);
     const cv::Mat_<std::uint16_t> found = cv::imread(path, cv::IMREAD_UNCHANGED);
@@ -217,54 +219,54 @@ TEST_F(FrameFilesTest, DisparitiesForKitti) {
 
 TEST_F(FrameFilesTest, StopsAndResumesWithTheSameContent) {
   writeInput();
-  convert(folder_options_);
+  process(folder_options_);
   const auto whole = filesIn(folder_options_.output);
   for (const int frames : {1, 3}) {
     folder_options_.output = folder_.file("stopped" + std::to_string(frames));
     folder_options_.earlier = EarlierParts::kReject;
     int asked = 0;
-    ConversionEvents events;
+    BagProcessingEvents events;
     events.should_stop = [&] { return ++asked > frames; };
-    EXPECT_TRUE(convert(folder_options_, events).interrupted);
+    EXPECT_TRUE(process(folder_options_, events).interrupted);
     EXPECT_FALSE(fs::exists(folder_options_.output + "/index.csv"));
-    EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"--resume"}));
+    EXPECT_TRUE(mentions(errorText([&] { process(folder_options_); }), {"--resume"}));
     folder_options_.earlier = EarlierParts::kResume;
-    const ConversionSummary resumed = convert(folder_options_);
+    const BagProcessingSummary resumed = process(folder_options_);
     EXPECT_EQ(resumed.resumed, static_cast<std::size_t>(frames));
     EXPECT_EQ(resumed.failed, 1U);
     EXPECT_TRUE(filesIn(folder_options_.output) == whole);
-    EXPECT_TRUE(convert(folder_options_).was_complete);
+    EXPECT_TRUE(process(folder_options_).was_complete);
   }
 }
 
 TEST_F(FrameFilesTest, BeginningAnewLeavesNothingOfBefore) {
   writeInput();
   folder_options_.outputs = {"disparity"};
-  convert(folder_options_);
+  process(folder_options_);
   const std::string note = folder_options_.output + "/disparity/note.txt";
   std::ofstream(note) << "mine";
   EXPECT_TRUE(
-      mentions(errorText([&] { convert(folder_options_); }), {"index.csv exists", "--overwrite"}));
+      mentions(errorText([&] { process(folder_options_); }), {"index.csv exists", "--overwrite"}));
   folder_options_.earlier = EarlierParts::kOverwrite;
   folder_options_.files = DisparityFormat::kKitti;
   folder_options_.plan.every = 2;
-  convert(folder_options_);
+  process(folder_options_);
   EXPECT_TRUE(fs::exists(note));
   EXPECT_EQ(filesIn(folder_options_.output).size(),
             3U);  // includes the index; the other frame failed
 }
 
-TEST_F(FrameFilesTest, RefuseWithOneSentence) {
+TEST_F(FrameFilesTest, RejectsWithOneLine) {
   writeInput();
   folder_options_.copy = true;
-  EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"--copy"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(folder_options_); }), {"--copy"}));
   folder_options_.copy = false;
   folder_options_.compression = "lz4";
-  EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"--compression"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(folder_options_); }), {"--compression"}));
   folder_options_.compression = "none";
   folder_.write("file", "");
   folder_options_.output = folder_.file("file");
-  EXPECT_TRUE(mentions(errorText([&] { convert(folder_options_); }), {"folder", "file"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(folder_options_); }), {"folder", "file"}));
   EXPECT_EQ(filesIn(fs::path(input_).parent_path().string()).size(), 2U);
 }
 

@@ -78,7 +78,7 @@ TEST(FromRawMessage, TakesNoMemoryForLengthsThatAreNotThere) {
 
 TEST(RawCamera, TakesTheCalibrationOfTheImage) { EXPECT_EQ(rejection(calibration()), "no error"); }
 
-TEST(RawCamera, RefusesUnusableCalibrations) {
+TEST(RawCamera, RejectsUnusableCalibrations) {
   const auto changed = [](const auto& change) {
     sensor_msgs::CameraInfo info = calibration();
     change(info);

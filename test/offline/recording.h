@@ -11,7 +11,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 #include "ros/stereo_pair.h"
 #include "support/forest_fixture.h"
 #include "support/temporary_folder.h"
@@ -71,8 +71,8 @@ inline std::vector<std::string> fixtureOutputs() {
   return names;
 }
 
-inline ConversionOptions conversionOf(const std::string& input, const std::string& output) {
-  ConversionOptions options;
+inline BagProcessingOptions processingOf(const std::string& input, const std::string& output) {
+  BagProcessingOptions options;
   options.inputs = {input};
   options.output = output;
   options.frames_per_part = 3;

@@ -16,7 +16,7 @@ namespace cbmv {
 namespace {
 
 namespace fs = std::filesystem;
-using test::expectRefusal;
+using test::expectRejection;
 
 /// Connections in the order of their first message; messages with equal recording time in the order
 /// of writing.
@@ -69,18 +69,18 @@ class ShardTest : public testing::Test {
   std::string shardFile(std::size_t number, std::size_t count) const {
     return folder_.file("shard" + std::to_string(number) + "of" + std::to_string(count) + ".bag");
   }
-  ConversionSummary convertShard(std::size_t number, std::size_t count,
-                                 const ConversionEvents& events = {}) {
-    ConversionOptions options = options_;
+  BagProcessingSummary processShard(std::size_t number, std::size_t count,
+                                    const BagProcessingEvents& events = {}) {
+    BagProcessingOptions options = options_;
     options.shard = Shard{number, count};
     options.output = shardFile(number, count);
-    return convertBags(options, forest_, events);
+    return processBags(options, forest_, events);
   }
   /// The last shard is processed first.
-  std::vector<std::string> convertShards(std::size_t count) {
+  std::vector<std::string> processShards(std::size_t count) {
     std::vector<std::string> paths;
     for (std::size_t number = count; number > 0; --number) {
-      convertShard(number, count);
+      processShard(number, count);
       paths.push_back(shardFile(number, count));
     }
     return paths;
@@ -91,19 +91,19 @@ class ShardTest : public testing::Test {
   std::string mergeError(const std::vector<std::string>& shards) {
     return errorText([&] { merge(shards); });
   }
-  BagContent convertWhole() {
-    convertBags(options_, forest_, {});
+  BagContent processWhole() {
+    processBags(options_, forest_, {});
     return contentOf(options_.output);
   }
 
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");
   std::string merged_ = folder_.file("merged.bag");
-  ConversionOptions options_ = conversionOf(input_, folder_.file("out.bag"));
+  BagProcessingOptions options_ = processingOf(input_, folder_.file("out.bag"));
   std::shared_ptr<const Forest> forest_ = fixtureForest();
 };
 
-TEST(ParseShard, RefusesWhatDoesNotExist) {
+TEST(ParseShard, RejectsWhatDoesNotExist) {
   EXPECT_EQ(parseShard("2/4").number, 2U);
   EXPECT_EQ(parseShard("100000/100000").count, 100000U);
   for (const char* text : {"0/4", "5/4", "1", "1/0", "/4", "-1/4", "1/4 ", "1/999999"}) {
@@ -117,10 +117,10 @@ TEST_F(ShardTest, TogetherAreTheWhole) {
   options_.outputs = {"disparity", "depth", "confidence"};
   options_.plan.every = 2;
   options_.plan.start_s = 0.13;
-  const BagContent whole = convertWhole();
+  const BagContent whole = processWhole();
   EXPECT_EQ(whole.headers.size(), 4U + 3U + 2U);
   for (const std::size_t count : {1U, 2U, 4U}) {
-    const MergeSummary summary = merge(convertShards(count));
+    const MergeSummary summary = merge(processShards(count));
     EXPECT_EQ(summary.shards, count);
     EXPECT_EQ(summary.frames, 7U);
     EXPECT_TRUE(summary.isComplete());
@@ -132,9 +132,9 @@ TEST_F(ShardTest, TogetherAreTheWhole) {
 TEST_F(ShardTest, CompressionChangesNothing) {
   writeRecording(input_, 6, writeWords);
   options_.copy = true;
-  const BagContent whole = convertWhole();
+  const BagContent whole = processWhole();
   options_.compression = "lz4";
-  mergeShards({convertShards(3), merged_, "bz2", false});
+  mergeShards({processShards(3), merged_, "bz2", false});
   EXPECT_TRUE(contentOf(merged_) == whole);
 }
 
@@ -154,8 +154,8 @@ TEST_F(ShardTest, TogetherAreTheWholeOfAnUnsortedRecording) {
   writeWords(bag);
   bag.close();
   options_.copy = true;
-  const BagContent whole = convertWhole();
-  merge(convertShards(3));
+  const BagContent whole = processWhole();
+  merge(processShards(3));
   EXPECT_TRUE(contentOf(merged_) == whole);
 }
 
@@ -170,22 +170,22 @@ TEST_F(ShardTest, VerticalOffsetDoesNotDependOnTheShard) {
     writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100 + 0.3 * index)));
   }
   bag.close();
-  const BagContent whole = convertWhole();
-  merge(convertShards(4));
+  const BagContent whole = processWhole();
+  merge(processShards(4));
   EXPECT_TRUE(contentOf(merged_) == whole);
   options_.matching.stereo.rectification.interval_s = 0;
   options_.earlier = EarlierParts::kOverwrite;
-  EXPECT_FALSE(convertWhole() == whole) << "nothing depends on offsets";
+  EXPECT_FALSE(processWhole() == whole) << "nothing depends on offsets";
 }
 
 TEST_F(ShardTest, MayBeMoreThanFrames) {
   writeRecording(input_, 2, writeWords);
   options_.copy = true;
-  const BagContent whole = convertWhole();
-  merge(convertShards(5));
+  const BagContent whole = processWhole();
+  merge(processShards(5));
   EXPECT_TRUE(contentOf(merged_) == whole);
   options_.plan.start_s = 1000;
-  EXPECT_TRUE(mentions(errorText([&] { convertShard(1, 2); }), {"no pair", "no shards"}));
+  EXPECT_TRUE(mentions(errorText([&] { processShard(1, 2); }), {"no pair", "no shards"}));
 }
 
 TEST_F(ShardTest, LargeFramesCountMore) {
@@ -194,8 +194,8 @@ TEST_F(ShardTest, LargeFramesCountMore) {
       writeFrame(bag, recordedFrame(index, {192, 128}));
     }
   });
-  convertShard(1, 2);
-  convertShard(2, 2);
+  processShard(1, 2);
+  processShard(2, 2);
   EXPECT_EQ(readShardLabel(shardFile(1, 2)).end, 8U);
   const ShardLabel second = readShardLabel(shardFile(2, 2));
   EXPECT_EQ(second.first, 8U);
@@ -205,35 +205,35 @@ TEST_F(ShardTest, LargeFramesCountMore) {
 TEST_F(ShardTest, StopsAndResumes) {
   writeRecording(input_, 9, writeWords);
   options_.copy = true;
-  const BagContent whole = convertWhole();
+  const BagContent whole = processWhole();
   int asked = 0;
-  ConversionEvents events;
+  BagProcessingEvents events;
   events.should_stop = [&] { return ++asked > 2; };
-  EXPECT_TRUE(convertShard(2, 2, events).interrupted);
+  EXPECT_TRUE(processShard(2, 2, events).interrupted);
   options_.earlier = EarlierParts::kResume;
-  const ConversionSummary resumed = convertShard(2, 2);
+  const BagProcessingSummary resumed = processShard(2, 2);
   EXPECT_EQ(resumed.resumed, 2U);
   EXPECT_EQ(resumed.processed, 2U);
-  convertShard(1, 2);
+  processShard(1, 2);
   merge({shardFile(1, 2), shardFile(2, 2)});
   EXPECT_TRUE(contentOf(merged_) == whole);
 }
 
-TEST_F(ShardTest, ResumeRefusesPartsOfAnotherShard) {
+TEST_F(ShardTest, ResumeRejectsPartsOfAnotherShard) {
   writeRecording(input_, 9);
-  ConversionEvents events;
+  BagProcessingEvents events;
   events.should_stop = [] { return true; };
-  convertShard(1, 2, events);
+  processShard(1, 2, events);
   options_.earlier = EarlierParts::kResume;
   options_.shard = Shard{2, 2};
   options_.output = shardFile(1, 2);
-  EXPECT_TRUE(mentions(errorText([&] { convertBags(options_, forest_, {}); }), {"--overwrite"}));
+  EXPECT_TRUE(mentions(errorText([&] { processBags(options_, forest_, {}); }), {"--overwrite"}));
 }
 
 TEST_F(ShardTest, FailedFramesAreCounted) {
   writeRecordingWithABadFrame(input_);
-  const BagContent whole = convertWhole();
-  const MergeSummary summary = merge(convertShards(2));
+  const BagContent whole = processWhole();
+  const MergeSummary summary = merge(processShards(2));
   EXPECT_EQ(summary.failed, 1U);
   EXPECT_FALSE(summary.isComplete());
   EXPECT_TRUE(contentOf(merged_) == whole);
@@ -241,8 +241,8 @@ TEST_F(ShardTest, FailedFramesAreCounted) {
 
 TEST_F(ShardTest, MergeNamesWhatIsMissingOrThereTwice) {
   writeRecording(input_, 6);
-  convertShards(3);
-  convertShard(1, 2);
+  processShards(3);
+  processShard(1, 2);
   const std::string first = shardFile(1, 3);
   const std::string second = shardFile(2, 3);
   const std::string third = shardFile(3, 3);
@@ -255,43 +255,43 @@ TEST_F(ShardTest, MergeNamesWhatIsMissingOrThereTwice) {
   EXPECT_FALSE(fs::exists(merged_));
 }
 
-TEST_F(ShardTest, MergeRefusesOtherSettingsAndRecordings) {
+TEST_F(ShardTest, MergeRejectsOtherSettingsAndRecordings) {
   writeRecording(input_, 4);
-  convertShard(1, 2);
-  const auto refuses_second = [&](ConversionOptions changed) {
+  processShard(1, 2);
+  const auto rejects_second = [&](BagProcessingOptions changed) {
     changed.shard = Shard{2, 2};
     changed.output = shardFile(2, 2);
     changed.earlier = EarlierParts::kOverwrite;
-    convertBags(changed, forest_, {});
+    processBags(changed, forest_, {});
     EXPECT_TRUE(mentions(mergeError({shardFile(1, 2), shardFile(2, 2)}),
                          {"different input bags or settings", shardFile(2, 2)}));
   };
-  ConversionOptions changed = options_;
+  BagProcessingOptions changed = options_;
   changed.matching.stereo.sgm.p2 += 1;
-  refuses_second(changed);
+  rejects_second(changed);
   changed = options_;
   changed.copy = true;
-  refuses_second(changed);
+  rejects_second(changed);
   changed = options_;
   changed.outputs = {"depth"};
-  refuses_second(changed);
+  rejects_second(changed);
   fs::create_directory(folder_.file("other"));
   changed = options_;
   changed.inputs = {writeRecording(folder_.file("other/in.bag"), 5)};
-  refuses_second(changed);
+  rejects_second(changed);
 
   changed.inputs = {writeRecording(folder_.file("other/in.bag"), 4)};  // simulates another machine
   changed.shard = Shard{2, 2};
   changed.output = shardFile(2, 2);
   changed.earlier = EarlierParts::kOverwrite;
   changed.matching.stereo.threads = 1;
-  convertBags(changed, forest_, {});
+  processBags(changed, forest_, {});
   EXPECT_EQ(merge({shardFile(1, 2), shardFile(2, 2)}).frames, 4U);
 }
 
-TEST_F(ShardTest, MergeRefusesWhatIsNoShardOrDamaged) {
+TEST_F(ShardTest, MergeRejectsWhatIsNoShardOrDamaged) {
   writeRecording(input_, 8);
-  convertShards(2);
+  processShards(2);
   const std::string second = shardFile(2, 2);
   EXPECT_TRUE(
       mentions(mergeError({shardFile(1, 2), input_}), {"in.bag", "not the bag of a shard"}));
@@ -314,24 +314,24 @@ TEST_F(ShardTest, ProgramsOfFourShardsDoTheWorkOfOne) {
   const auto run = [&](const std::string& arguments) {
     return test::run("cbmv_bag", arguments + settings);
   };
-  const auto convert = [&](const std::string& shard, const std::string& output) {
+  const auto process = [&](const std::string& shard, const std::string& output) {
     return run(input_ + " --shard " + shard + " --output " + output);
   };
   ASSERT_EQ(run(input_ + " --output " + options_.output).status, 0);
   std::string shards;
   for (const std::string number : {"1", "2", "3", "4"}) {
     const std::string shard = folder_.file(number + ".bag");
-    EXPECT_EQ(convert(number + "/4", shard).status, 0);
+    EXPECT_EQ(process(number + "/4", shard).status, 0);
     shards.append(shard).append(" ");
   }
   const auto merge_by = [&](const std::string& arguments) {
     return test::run("cbmv_bag", "merge " + arguments + " --output " + merged_);
   };
-  expectRefusal(merge_by(folder_.file("1.bag")), {"cbmv_bag:", "shard 2/4 is missing"});
+  expectRejection(merge_by(folder_.file("1.bag")), {"cbmv_bag:", "shard 2/4 is missing"});
   EXPECT_EQ(merge_by(shards + "--compression lz4").status, 0);
   EXPECT_TRUE(contentOf(merged_) == contentOf(options_.output));
-  expectRefusal(merge_by(shards), {"merged.bag exists"});
-  expectRefusal(convert("5/4", merged_), {"'5/4'"});
+  expectRejection(merge_by(shards), {"merged.bag exists"});
+  expectRejection(process("5/4", merged_), {"'5/4'"});
 }
 
 }  // namespace

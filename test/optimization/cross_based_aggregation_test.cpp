@@ -13,7 +13,7 @@ namespace {
 enum Channel { kLeft = 0, kRight = 1, kUp = 2, kDown = 3 };
 
 struct Naive {
-  const OptimizedVolume& costs;
+  const AggregatedVolume& costs;
   const cv::Mat& reference_arms;
   const cv::Mat& other_arms;
   View view;
@@ -53,9 +53,9 @@ SupportArms makeArms(const cv::Size& size, Content content, int max_length, floa
 void expectNaiveMeans(const Shape& shape, View view, Content content, int max_length,
                       float threshold, int max_cost) {
   const SupportArms arms = makeArms(shape.size(), content, max_length, threshold);
-  const OptimizedVolume costs = makeCosts(shape, content, max_cost, 7);
+  const AggregatedVolume costs = makeCosts(shape, content, max_cost, 7);
   const Naive naive{costs, arms.reference, arms.other, view, shape.range};
-  OptimizedVolume expected(shape.height, shape.width, shape.range.count);
+  AggregatedVolume expected(shape.height, shape.width, shape.range.count);
   for (int y = 0; y < shape.height; ++y) {
     for (int x = 0; x < shape.width; ++x) {
       for (int i = 0; i < shape.range.count; ++i) {
@@ -63,12 +63,12 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, int max_le
       }
     }
   }
-  const auto expect_means = [&](const OptimizedVolume& aggregated) {
+  const auto expect_means = [&](const AggregatedVolume& aggregated) {
     expectVolume(aggregated, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
   };
   CostAggregator aggregator;
   onEverySimdTarget([&] {
-    OptimizedVolume aggregated;
+    AggregatedVolume aggregated;
     aggregator.aggregate(costs, max_cost, arms, view, shape.range, aggregated);
     expect_means(aggregated);
     if (max_cost <= 255) {
@@ -112,13 +112,13 @@ TEST(CostAggregation, RoundsHalvesUp) {
   for (const int max_cost : {4660, 4659, 9, 1}) {
     const Shape shape{15, 400, {0, 1}};
     const SupportArms arms = makeArms(shape.size(), Content::kNoise, 8, 300.0F);
-    OptimizedVolume costs(shape.height, shape.width, 1);
+    AggregatedVolume costs(shape.height, shape.width, 1);
     for (int i = 0; i < shape.height * shape.width; ++i) {
       costs.row(0)[i] = static_cast<std::uint16_t>(max_cost - i % 2);
     }
     const Naive naive{costs, arms.reference, arms.other, View::kLeft, shape.range};
     onEverySimdTarget([&] {
-      OptimizedVolume aggregated;
+      AggregatedVolume aggregated;
       CostAggregator().aggregate(costs, max_cost, arms, View::kLeft, shape.range, aggregated);
       expectVolume(aggregated, shape, [&](int y, int x, int i) { return naive.mean(y, x, i); });
     });
@@ -130,9 +130,9 @@ TEST(CostAggregation, IsExactForTheLargestRegions) {
   const Shape shape{509, 509, {0, 1}};
   cv::Mat flat_arms;
   computeSupportArms(cv::Mat::zeros(shape.size(), CV_8UC1), 255, 1.0F, flat_arms);
-  OptimizedVolume costs(509, 509, 1);
+  AggregatedVolume costs(509, 509, 1);
   std::fill(costs.row(0), costs.row(0) + costs.size(), 16383);
-  OptimizedVolume aggregated;
+  AggregatedVolume aggregated;
   CostAggregator().aggregate(costs, 16383, {flat_arms, flat_arms, 254}, View::kLeft, shape.range,
                              aggregated);
   expectVolume(aggregated, shape, [](int, int, int) { return 16383; });
@@ -141,11 +141,11 @@ TEST(CostAggregation, IsExactForTheLargestRegions) {
 TEST(CostAggregation, DoesNotDependOnThreads) {
   const Shape shape{33, 150, {0, 70}};
   const SupportArms arms = makeArms(shape.size(), Content::kPatches, 6, 40.0F);
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
-  OptimizedVolume parallel;
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
+  AggregatedVolume parallel;
   CostAggregator().aggregate(costs, 5355, arms, View::kLeft, shape.range, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
-  OptimizedVolume serial;
+  AggregatedVolume serial;
   CostAggregator().aggregate(costs, 5355, arms, View::kLeft, shape.range, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }

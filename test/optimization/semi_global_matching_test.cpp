@@ -18,7 +18,7 @@ namespace {
 /// L_r of all hypotheses along one direction, directly from the formula.
 class NaivePaths {
  public:
-  NaivePaths(const OptimizedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
+  NaivePaths(const AggregatedVolume& costs, const EdgeImages& images, const cv::Mat& surface,
              View view, const Shape& shape, const SgmOptions& options, cv::Point direction)
       : costs_(costs),
         images_(images),
@@ -100,7 +100,7 @@ class NaivePaths {
            std::abs(image.at<std::uint8_t>(from) - image.at<std::uint8_t>(to)) >= threshold;
   }
 
-  const OptimizedVolume& costs_;
+  const AggregatedVolume& costs_;
   const EdgeImages& images_;
   const cv::Mat& surface_;
   View view_;
@@ -115,13 +115,13 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmO
                       const cv::Mat& surface = {}) {
   const EdgeImages images{makeGray(shape.size(), content, 9), makeGray(shape.size(), content, 10),
                           reference_threshold, other_threshold};
-  const OptimizedVolume costs = makeCosts(shape, content, max_cost, 11);
+  const AggregatedVolume costs = makeCosts(shape, content, max_cost, 11);
   std::vector<NaivePaths> paths;
   for (const cv::Point& direction :
        {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
     paths.emplace_back(costs, images, surface, view, shape, options, direction);
   }
-  const auto expect_means = [&](const OptimizedVolume& mean) {
+  const auto expect_means = [&](const AggregatedVolume& mean) {
     expectVolume(mean, shape, [&](int y, int x, int i) {
       return (paths[0].cost(y, x, i) + paths[1].cost(y, x, i) + paths[2].cost(y, x, i) +
               paths[3].cost(y, x, i) + 2) /
@@ -130,7 +130,7 @@ void expectNaiveMeans(const Shape& shape, View view, Content content, const SgmO
   };
   SemiGlobalMatcher matcher;
   onEverySimdTarget([&] {
-    OptimizedVolume mean;
+    AggregatedVolume mean;
     matcher.match(costs, images, surface, view, shape.range, options, mean);
     expect_means(mean);
     if (max_cost <= 255) {
@@ -204,7 +204,7 @@ TEST(SemiGlobalMatching, FollowsASlantedSurfaceForNothing) {
     }
   }
   const cv::Mat gray = cv::Mat::zeros(shape.size(), CV_8UC1);
-  OptimizedVolume mean;
+  AggregatedVolume mean;
   SemiGlobalMatcher().match(costs, {gray, gray, 1, 1}, surface, View::kLeft, shape.range, {}, mean);
   for (int x = 0; x < shape.width; ++x) {
     const auto* pixel = mean.pixel(2, x);
@@ -218,11 +218,11 @@ TEST(SemiGlobalMatching, DoesNotDependOnThreads) {
   const Shape shape{50, 120, {0, 24}};
   const EdgeImages images{makeGray(shape.size(), Content::kPatches, 1),
                           makeGray(shape.size(), Content::kPatches, 2), 20, 20};
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
-  OptimizedVolume parallel;
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
+  AggregatedVolume parallel;
   SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, {}, parallel);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
-  OptimizedVolume serial;
+  AggregatedVolume serial;
   SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, {}, serial);
   expectVolume(parallel, shape, [&](int y, int x, int i) { return serial.pixel(y, x)[i]; });
 }
@@ -231,25 +231,25 @@ TEST(SemiGlobalMatching, ForgetsTheSurfaceOfTheFrameBefore) {
   const Shape shape{20, 90, {0, 9}};
   const EdgeImages images{makeGray(shape.size(), Content::kPatches, 1),
                           makeGray(shape.size(), Content::kPatches, 2), 20, 20};
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
   const auto mean_of = [&](SemiGlobalMatcher& matcher, const cv::Mat& surface) {
-    OptimizedVolume mean;
+    AggregatedVolume mean;
     matcher.match(costs, images, surface, View::kLeft, shape.range, {}, mean);
     return mean;
   };
   SemiGlobalMatcher used;
   mean_of(used, makeSurface(shape, Content::kPatches));
-  const OptimizedVolume found = mean_of(used, {});
+  const AggregatedVolume found = mean_of(used, {});
   SemiGlobalMatcher unused;
-  const OptimizedVolume expected = mean_of(unused, {});
+  const AggregatedVolume expected = mean_of(unused, {});
   expectVolume(found, shape, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
 }
 
 void expectRejected(const SgmOptions& options) {
   const Shape shape{3, 4, {0, 2}};
   const cv::Mat gray = cv::Mat::zeros(shape.size(), CV_8UC1);
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 1);
-  OptimizedVolume mean;
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 255, 1);
+  AggregatedVolume mean;
   EXPECT_THROW(SemiGlobalMatcher().match(costs, {gray, gray, 1, 1}, {}, View::kLeft, shape.range,
                                          options, mean),
                Error);
@@ -288,9 +288,9 @@ TEST(SgmCostBound, HoldsOverTwoRuns) {
                           makeGray(shape.size(), Content::kNoise, 2), 256, 256};
   SgmOptions options;
   options.p1 = options.p2 = 0.5F;
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
-  OptimizedVolume once;
-  OptimizedVolume twice;
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 255, 3);
+  AggregatedVolume once;
+  AggregatedVolume twice;
   SemiGlobalMatcher().match(costs, images, {}, View::kLeft, shape.range, options, once);
   SemiGlobalMatcher().match(once, images, {}, View::kLeft, shape.range, options, twice);
   const int highest = *std::max_element(twice.row(0), twice.row(0) + twice.size());

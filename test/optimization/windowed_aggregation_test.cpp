@@ -17,7 +17,7 @@ enum Channel { kLeft = 0, kRight = 1, kUp = 2, kDown = 3 };
 
 struct Naive {
   const SearchSpace& space;
-  const OptimizedVolume& costs;
+  const AggregatedVolume& costs;
   const SupportArms& arms;
   View view;
 
@@ -90,7 +90,7 @@ void forHypotheses(const SearchSpace& space, const F& f) {
 
 /// Columns outside the image have the largest value of the type.
 template <typename Cost>
-void toWindows(const OptimizedVolume& costs, const SearchSpace& space,
+void toWindows(const AggregatedVolume& costs, const SearchSpace& space,
                WindowedVolume<Cost>& windows) {
   windows.resize(space);
   std::fill_n(windows.entry(0), space.entries() * kTileColumns, static_cast<Cost>(-1));
@@ -101,7 +101,7 @@ void toWindows(const OptimizedVolume& costs, const SearchSpace& space,
 
 /// Compares with expected(y, x, i); stops at the first difference.
 template <typename Expected>
-void expectWindows(const SearchSpace& space, const WindowedOptimizedVolume& windows,
+void expectWindows(const SearchSpace& space, const WindowedAggregatedVolume& windows,
                    const Expected& expected) {
   ASSERT_EQ(windows.entries(), space.entries());
   bool equal = true;
@@ -115,22 +115,22 @@ void expectWindows(const SearchSpace& space, const WindowedOptimizedVolume& wind
 }
 
 void expectNaiveMeans(const SearchSpace& space, const SupportArms& arms, View view,
-                      const OptimizedVolume& costs, int max_cost) {
+                      const AggregatedVolume& costs, int max_cost) {
   const Naive naive{space, costs, arms, view};
-  OptimizedVolume expected(space.height(), space.width(), space.range().count);
+  AggregatedVolume expected(space.height(), space.width(), space.range().count);
   forHypotheses(space, [&](int y, int x, int i, std::size_t /*number*/) {
     expected.pixel(y, x)[i] = static_cast<std::uint16_t>(naive.mean(y, x, i));
   });
-  const auto expect_means = [&](const WindowedOptimizedVolume& aggregated) {
+  const auto expect_means = [&](const WindowedAggregatedVolume& aggregated) {
     expectWindows(space, aggregated, [&](int y, int x, int i) { return expected.pixel(y, x)[i]; });
   };
-  WindowedOptimizedVolume words;
+  WindowedAggregatedVolume words;
   toWindows(costs, space, words);
   WindowedMatchingVolume bytes;
   toWindows(costs, space, bytes);
   WindowedAggregator aggregator;
   onEverySimdTarget([&] {
-    WindowedOptimizedVolume aggregated;
+    WindowedAggregatedVolume aggregated;
     aggregator.aggregate(space, words, max_cost, arms, view, aggregated);
     expect_means(aggregated);
     if (max_cost <= 255) {
@@ -216,7 +216,7 @@ TEST(WindowedAggregation, IsExactWhereSumsNeed16Bits) {
 TEST(WindowedAggregation, RoundsHalvesUp) {
   const Shape shape{15, 400, {0, 1}};
   const SupportArms arms = makeArms(shape.size(), Content::kNoise, 8, 300.0F);
-  OptimizedVolume costs(shape.height, shape.width, 1);
+  AggregatedVolume costs(shape.height, shape.width, 1);
   for (const int max_cost : {8191, 8190, 9, 1}) {
     for (int i = 0; i < shape.height * shape.width; ++i) {
       costs.row(0)[i] = static_cast<std::uint16_t>(max_cost - i % 2);
@@ -228,7 +228,7 @@ TEST(WindowedAggregation, RoundsHalvesUp) {
 // All costs have the largest value, so the sums are as large as possible.
 TEST(WindowedAggregation, IsExactForTheLargestSums) {
   const Shape shape{31, 63, {0, 2}};
-  OptimizedVolume costs(shape.height, shape.width, shape.range.count);
+  AggregatedVolume costs(shape.height, shape.width, shape.range.count);
   for (const auto& [arm, max_cost] : {std::pair(3, 16383), {5, 10922}, {7, 8191}, {30, 16383}}) {
     const SupportArms arms = makeArms(shape.size(), Content::kNoise, arm + 1, 300.0F);
     std::fill_n(costs.row(0), costs.size(), static_cast<std::uint16_t>(max_cost));
@@ -239,13 +239,13 @@ TEST(WindowedAggregation, IsExactForTheLargestSums) {
 TEST(WindowedAggregation, DoesNotDependOnThreadsOrEarlierRuns) {
   const Shape shape{33, 400, {0, 70}};
   const SupportArms arms = makeArms(shape.size(), Content::kPatches, 6, 40.0F);
-  const OptimizedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
+  const AggregatedVolume costs = makeCosts(shape, Content::kNoise, 5355, 8);
   const auto aggregate = [&](WindowedAggregator& aggregator, const SearchSpace& space) {
-    WindowedOptimizedVolume windows;
+    WindowedAggregatedVolume windows;
     toWindows(costs, space, windows);
-    WindowedOptimizedVolume aggregated;
+    WindowedAggregatedVolume aggregated;
     aggregator.aggregate(space, windows, 5355, arms, View::kLeft, aggregated);
-    OptimizedVolume dense(shape.height, shape.width, shape.range.count);
+    AggregatedVolume dense(shape.height, shape.width, shape.range.count);
     forHypotheses(space, [&](int y, int x, int i, std::size_t number) {
       dense.pixel(y, x)[i] = aggregated.entry(0)[number];
     });
@@ -255,10 +255,10 @@ TEST(WindowedAggregation, DoesNotDependOnThreadsOrEarlierRuns) {
   WindowedAggregator used;
   aggregate(used, makeExhaustiveSpace(shape));
   aggregate(used, makeSearchSpace(shape.height, shape.width, shape.range, 10));
-  const OptimizedVolume parallel = aggregate(used, space);
+  const AggregatedVolume parallel = aggregate(used, space);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   WindowedAggregator fresh;
-  const OptimizedVolume serial = aggregate(fresh, space);
+  const AggregatedVolume serial = aggregate(fresh, space);
   forHypotheses(space, [&](int y, int x, int i, std::size_t /*number*/) {
     ASSERT_EQ(parallel.pixel(y, x)[i], serial.pixel(y, x)[i]);
   });

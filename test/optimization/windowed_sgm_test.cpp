@@ -90,7 +90,7 @@ struct Input {
 /// L_r of all hypotheses along one direction, directly from the formula.
 class NaiveWindowedPaths {
  public:
-  NaiveWindowedPaths(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+  NaiveWindowedPaths(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                      const Input& input, cv::Point direction)
       : space_(space), costs_(costs), input_(input), direction_(direction) {
     paths_.resize(space);
@@ -173,15 +173,15 @@ class NaiveWindowedPaths {
   }
 
   const SearchSpace& space_;
-  const WindowedOptimizedVolume& costs_;
+  const WindowedAggregatedVolume& costs_;
   const Input& input_;
   cv::Point direction_;
-  WindowedOptimizedVolume paths_;
+  WindowedAggregatedVolume paths_;
 };
 
 /// Compares the hypotheses inside the image; stops at the first difference.
-void expectEqual(const SearchSpace& space, const WindowedOptimizedVolume& found,
-                 const WindowedOptimizedVolume& expected) {
+void expectEqual(const SearchSpace& space, const WindowedAggregatedVolume& found,
+                 const WindowedAggregatedVolume& expected) {
   ASSERT_EQ(found.entries(), expected.entries());
   bool same = true;
   forEntries(space, [&](int y, int x, int index, std::size_t entry) {
@@ -194,14 +194,14 @@ void expectEqual(const SearchSpace& space, const WindowedOptimizedVolume& found,
   });
 }
 
-WindowedOptimizedVolume naiveMeans(const SearchSpace& space, const WindowedOptimizedVolume& costs,
-                                   const Input& input) {
+WindowedAggregatedVolume naiveMeans(const SearchSpace& space, const WindowedAggregatedVolume& costs,
+                                    const Input& input) {
   std::vector<NaiveWindowedPaths> paths;
   for (const cv::Point& direction :
        {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
     paths.emplace_back(space, costs, input, direction);
   }
-  WindowedOptimizedVolume mean;
+  WindowedAggregatedVolume mean;
   mean.resize(space);
   forEntries(space, [&](int /*y*/, int x, int /*index*/, std::size_t entry) {
     std::int64_t sum = 2;
@@ -214,16 +214,16 @@ WindowedOptimizedVolume naiveMeans(const SearchSpace& space, const WindowedOptim
 }
 
 template <typename Cost>
-WindowedOptimizedVolume meansOf(WindowedSgm& sgm, const SearchSpace& space,
-                                const WindowedVolume<Cost>& costs, const Input& input) {
-  WindowedOptimizedVolume mean;
+WindowedAggregatedVolume meansOf(WindowedSgm& sgm, const SearchSpace& space,
+                                 const WindowedVolume<Cost>& costs, const Input& input) {
+  WindowedAggregatedVolume mean;
   sgm.match(space, costs, input.images, input.surface, input.view, input.options, mean);
   return mean;
 }
 
 void expectNaiveMeans(const SearchSpace& space, const Input& input, int max_cost) {
   const auto words = makeWindowedCosts<std::uint16_t>(space, max_cost, 11);
-  const WindowedOptimizedVolume expected = naiveMeans(space, words, input);
+  const WindowedAggregatedVolume expected = naiveMeans(space, words, input);
   WindowedSgm sgm;
   onEverySimdTarget([&] {
     expectEqual(space, meansOf(sgm, space, words, input), expected);
@@ -292,15 +292,15 @@ TEST_P(WindowedSgmCases, EqualsDenseOneWithExhaustiveSearch) {
   SearchSpace space;
   space.buildExhaustive(shape.height, shape.width, shape.range);
   const auto costs = makeWindowedCosts<std::uint16_t>(space, 4000, 11);
-  OptimizedVolume dense(shape.height, shape.width, shape.range.count);
+  AggregatedVolume dense(shape.height, shape.width, shape.range.count);
   forEntries(space, [&](int y, int x, int index, std::size_t entry) {
     dense.pixel(y, x)[index] = costs.entry(entry)[x % kTileColumns];
   });
-  OptimizedVolume dense_mean;
+  AggregatedVolume dense_mean;
   SemiGlobalMatcher().match(dense, input.images, input.surface, view, shape.range, input.options,
                             dense_mean);
   WindowedSgm sgm;
-  const WindowedOptimizedVolume mean = meansOf(sgm, space, costs, input);
+  const WindowedAggregatedVolume mean = meansOf(sgm, space, costs, input);
   expectVolume(dense_mean, shape, [&](int y, int x, int i) {
     return mean.entry(*entryOf(space, y, x, i))[x % kTileColumns];
   });
@@ -334,7 +334,7 @@ TEST(WindowedSgm, DoesNotDependOnThreads) {
   const Input input = makeInput(shape, View::kLeft, Content::kPatches, 20, 20);
   const auto costs = makeWindowedCosts<std::uint16_t>(space, 255, 3);
   WindowedSgm sgm;
-  const WindowedOptimizedVolume parallel = meansOf(sgm, space, costs, input);
+  const WindowedAggregatedVolume parallel = meansOf(sgm, space, costs, input);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   expectEqual(space, meansOf(sgm, space, costs, input), parallel);
 }
@@ -351,7 +351,7 @@ TEST(WindowedSgm, ForgetsTheFrameBefore) {
   WindowedSgm used;
   meansOf(used, space_before, makeWindowedCosts<std::uint8_t>(space_before, 255, 4), input_before);
   WindowedSgm unused;
-  const WindowedOptimizedVolume expected = meansOf(unused, space, costs, input);
+  const WindowedAggregatedVolume expected = meansOf(unused, space, costs, input);
   expectEqual(space, meansOf(used, space, costs, input), expected);
 }
 

@@ -41,7 +41,7 @@ const Cost* findCost(const SearchSpace& space, const WindowedVolume<Cost>& costs
   return nullptr;
 }
 
-int naiveWinner(const SearchSpace& space, const WindowedOptimizedVolume& costs, int y, int x) {
+int naiveWinner(const SearchSpace& space, const WindowedAggregatedVolume& costs, int y, int x) {
   int winner = space.range().min - 1;
   int lowest = std::numeric_limits<int>::max();
   for (int d = space.range().min; d <= space.range().max(); ++d) {
@@ -54,7 +54,7 @@ int naiveWinner(const SearchSpace& space, const WindowedOptimizedVolume& costs, 
   return winner;
 }
 
-float naiveSubpixel(const SearchSpace& space, const WindowedOptimizedVolume& costs, int y, int x) {
+float naiveSubpixel(const SearchSpace& space, const WindowedAggregatedVolume& costs, int y, int x) {
   const int d = naiveWinner(space, costs, y, x);
   const std::uint16_t* before = findCost(space, costs, y, x, d - 1);
   const std::uint16_t* here = findCost(space, costs, y, x, d);
@@ -68,13 +68,13 @@ float naiveSubpixel(const SearchSpace& space, const WindowedOptimizedVolume& cos
                                                        static_cast<float>(2 * curvature));
 }
 
-float naiveConfidence(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+float naiveConfidence(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                       const WindowedMatchingVolume& matching_costs, int y, int x) {
   const std::uint8_t* cost = findCost(space, matching_costs, y, x, naiveWinner(space, costs, y, x));
   return cost == nullptr ? 0.0F : 1.0F - static_cast<float>(*cost) / 255.0F;
 }
 
-std::uint16_t naiveMargin(const SearchSpace& space, const WindowedOptimizedVolume& costs, int y,
+std::uint16_t naiveMargin(const SearchSpace& space, const WindowedAggregatedVolume& costs, int y,
                           int x) {
   const int winner = naiveWinner(space, costs, y, x);
   int second = 65535;
@@ -93,7 +93,7 @@ struct Maps {
   cv::Mat winners, disparity, confidence, margin;
 };
 
-Maps makeNaiveMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+Maps makeNaiveMaps(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                    const WindowedMatchingVolume& matching_costs) {
   Maps maps;
   for (cv::Mat* map : {&maps.winners, &maps.disparity, &maps.confidence}) {
@@ -117,7 +117,7 @@ void expectEqual(const cv::Mat& found, const cv::Mat& expected) {
 }
 
 /// Compares the maps with and without subpixel refinement.
-void expectMaps(const SearchSpace& space, const WindowedOptimizedVolume& costs,
+void expectMaps(const SearchSpace& space, const WindowedAggregatedVolume& costs,
                 const WindowedMatchingVolume& matching_costs, const Maps& expected) {
   onEverySimdTarget([&] {
     for (const bool subpixel : {false, true}) {
@@ -156,7 +156,7 @@ TEST_P(WindowedWinnerMaps, EqualDenseOnesOfAnExhaustiveSpace) {
   const Shape shape = GetParam();
   SearchSpace space;
   space.buildExhaustive(shape.height, shape.width, shape.range);
-  const OptimizedVolume dense = makeCosts(shape, Content::kPatches, 5355, 8);
+  const AggregatedVolume dense = makeCosts(shape, Content::kPatches, 5355, 8);
   auto costs = makeWindowedCosts<std::uint16_t>(space, 0, 0);
   for (int y = 0; y < shape.height; ++y) {
     for (int x = 0; x < shape.width; ++x) {

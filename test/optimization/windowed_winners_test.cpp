@@ -96,13 +96,13 @@ TEST(WindowedWinners, EqualPlainLoopsOnEveryInstructionSet) {
   });
 }
 
-TEST(WindowedWinners, AcrossEqualPlainLoopsOnEveryInstructionSet) {
+TEST(WindowedWinners, RightWinnersEqualPlainLoopsOnEveryInstructionSet) {
   test::onEverySimdTarget([] {
-    PerThread<RightWinnersRow> scratch;  // reused for all cases
+    PerThread<WindowedRightWinnersRow> scratch;  // reused for all cases
     forSpaces([&](const SearchSpace& space) {
       const auto costs = randomCosts<std::uint16_t>(space, 4, 40);
       cv::Mat found;
-      windowedWinnersAcross(space, costs, scratch, found);
+      windowedRightWinners(space, costs, scratch, found);
       forPixels(space, [&](int y, int x) {
         const int best = cheapest(space.range().count, [&](int i) {
           return costAt(space, costs, View::kLeft, y, x + space.range().min + i, i);

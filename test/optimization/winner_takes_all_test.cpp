@@ -11,7 +11,7 @@
 namespace cbmv::test {
 namespace {
 
-float naiveWinner(const OptimizedVolume& costs, View view, const DisparityRange& range, int y,
+float naiveWinner(const AggregatedVolume& costs, View view, const DisparityRange& range, int y,
                   int x) {
   float winner = range.invalid();
   int lowest = 1 << 20;
@@ -30,7 +30,7 @@ class WinnerTakesAll : public testing::TestWithParam<Case> {};
 TEST_P(WinnerTakesAll, EqualsNaiveOne) {
   const auto [shape, view, content] = GetParam();
   for (const int max_cost : {0, 3, 255, 65535}) {  // small ones cause many ties
-    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    const AggregatedVolume costs = makeCosts(shape, content, max_cost, 4);
     onEverySimdTarget([&, v = view, all = shape] {
       cv::Mat disparity;
       winnerTakesAll(costs, v, all.range, disparity);
@@ -40,7 +40,8 @@ TEST_P(WinnerTakesAll, EqualsNaiveOne) {
   }
 }
 
-std::uint16_t naiveMargin(const OptimizedVolume& costs, const DisparityRange& range, int y, int x) {
+std::uint16_t naiveMargin(const AggregatedVolume& costs, const DisparityRange& range, int y,
+                          int x) {
   const float winner = naiveWinner(costs, View::kLeft, range, y, x);
   int lowest = 65535;
   int second = 65535;
@@ -63,7 +64,7 @@ TEST_P(WinnerTakesAll, MarginEqualsNaiveOne) {
     return;  // margins exist for the left view only
   }
   for (const int max_cost : {0, 3, 255, 65535}) {
-    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    const AggregatedVolume costs = makeCosts(shape, content, max_cost, 4);
     onEverySimdTarget([&, all = shape] {
       cv::Mat winners;
       cv::Mat margin;
@@ -75,8 +76,8 @@ TEST_P(WinnerTakesAll, MarginEqualsNaiveOne) {
   }
 }
 
-float naiveWinnerAcross(const OptimizedVolume& left_costs, const DisparityRange& range, int y,
-                        int x) {
+float naiveRightWinner(const AggregatedVolume& left_costs, const DisparityRange& range, int y,
+                       int x) {
   float winner = range.invalid();
   int lowest = 1 << 20;
   for (int d = range.min; d <= range.max(); ++d) {
@@ -90,19 +91,19 @@ float naiveWinnerAcross(const OptimizedVolume& left_costs, const DisparityRange&
   return winner;
 }
 
-TEST_P(WinnerTakesAll, AcrossEqualsNaiveOne) {
+TEST_P(WinnerTakesAll, RightWinnersEqualNaiveOnes) {
   const auto [shape, view, content] = GetParam();
   if (view == View::kRight) {
     return;  // costs always belong to the left view
   }
   for (const int max_cost : {0, 3, 255, 65535}) {
-    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 4);
+    const AggregatedVolume costs = makeCosts(shape, content, max_cost, 4);
     onEverySimdTarget([&, all = shape] {
       cv::Mat disparity;
-      PerThread<RowAcross> scratch;
-      winnerTakesAllAcross(costs, all.range, scratch, disparity);
+      PerThread<RightWinnersRow> scratch;
+      rightWinners(costs, all.range, scratch, disparity);
       expectMap<float>(disparity, all.size(),
-                       [&](int y, int x) { return naiveWinnerAcross(costs, all.range, y, x); });
+                       [&](int y, int x) { return naiveRightWinner(costs, all.range, y, x); });
     });
   }
 }

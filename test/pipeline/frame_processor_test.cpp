@@ -28,7 +28,7 @@ CameraCalibration camera(cv::Size size, double p3) {
   return calibration;
 }
 
-StereoInput misalignedPair(int width = 251) {
+StereoInput pairWithOffset(int width = 251) {
   RenderOptions options;
   options.vertical_offset = 0.8;
   const RenderedScene scene = renderScene(width, 131, 1, options);
@@ -52,7 +52,7 @@ StereoOptions fastOptions() {
 
 class Processor : public testing::Test {
  protected:
-  ProcessedFrame process(const StereoInput& input = misalignedPair()) {
+  ProcessedFrame process(const StereoInput& input = pairWithOffset()) {
     return processor_.match(processor_.prepare(input), offset_);
   }
 
@@ -97,7 +97,7 @@ TEST(DisparityStep, IsWholePixelsOnlyWithoutSubpixelStages) {
   EXPECT_EQ(disparityStep({-100, 64}, options), std::ldexp(1.0, -17));
 }
 
-TEST(OptionsFor, RefuseWhatTheMachineHasNoMemoryFor) {
+TEST(OptionsFor, RejectWhatTheMachineHasNoMemoryFor) {
   StereoOptions options;
   options.range.count = 4096;
   EXPECT_NO_THROW(optionsFor({64, 48}, options, ""));
@@ -119,7 +119,7 @@ TEST_F(Processor, TakesTheGeometryFromTheCalibration) {
 }
 
 TEST_F(Processor, PassesWarningsOn) {
-  StereoInput input = misalignedPair();
+  StereoInput input = pairWithOffset();
   input.warnings = {"of the input"};
   input.cameras->right.projection[6] += 3;
   input.cameras->right.camera_matrix[5] += 3;
@@ -131,14 +131,14 @@ TEST_F(Processor, PassesWarningsOn) {
 
 TEST_F(Processor, ChecksACalibrationThatChanges) {
   process();
-  StereoInput input = misalignedPair();
+  StereoInput input = pairWithOffset();
   input.cameras->right.projection[3] = 0;
   EXPECT_THROW(process(input), InputError);
   EXPECT_NO_THROW(process());
 }
 
 TEST_F(Processor, NeedsNoCalibration) {
-  StereoInput input = misalignedPair();
+  StereoInput input = pairWithOffset();
   OwnOffset own;
   const cv::Mat expected = processor_.match(processor_.prepare(input), own).result.disparity;
   input.cameras.reset();
@@ -148,7 +148,7 @@ TEST_F(Processor, NeedsNoCalibration) {
 }
 
 TEST_F(Processor, RejectsImagesThatAreNoPair) {
-  StereoInput input = misalignedPair();
+  StereoInput input = pairWithOffset();
   input.right = input.right.colRange(0, 250);
   EXPECT_TRUE(mentions(errorText([&] { processor_.prepare(input); }),
                        {"left.png and right.png", "251 x 131", "250 x 131"}));
@@ -158,7 +158,7 @@ TEST_F(Processor, RejectsImagesThatAreNoPair) {
 
 /// A single pair, a given offset and a stream with a known offset give bit-identical results.
 TEST_F(Processor, SourcesOfTheOffsetAgree) {
-  const PreparedPair pair = processor_.prepare(misalignedPair());
+  const PreparedPair pair = processor_.prepare(pairWithOffset());
   const VerticalOffset estimated = processor_.estimateOffset(pair);
   ASSERT_GT(estimated.matches, 0);
   GivenOffset given(estimated);
@@ -173,7 +173,7 @@ TEST_F(Processor, SourcesOfTheOffsetAgree) {
 }
 
 TEST_F(Processor, FindsARangeThatIsAutomatic) {
-  const StereoInput input = misalignedPair();
+  const StereoInput input = pairWithOffset();
   const PreparedPair pair = processor_.prepare(input);
   options_.range = {-16, 0};
   processor_.setOptions(options_);
@@ -196,7 +196,7 @@ TEST_F(Processor, FindsARangeThatIsAutomatic) {
 TEST_F(Processor, TakesTheRangeFromItsSource) {
   options_.range.count = 0;
   processor_.setOptions(options_);
-  const PreparedPair pair = processor_.prepare(misalignedPair());
+  const PreparedPair pair = processor_.prepare(pairWithOffset());
   PreparedPair flat = pair;
   flat.images = {cv::Mat(131, 251, CV_8UC1, cv::Scalar(9)),
                  cv::Mat(131, 251, CV_8UC1, cv::Scalar(9))};
@@ -212,7 +212,7 @@ TEST_F(Processor, NamesTheImageWhoseSearchNeedsTooMuchMemory) {
   options_.search.levels = 2;
   options_.range.count = 120;
   processor_.setOptions(options_);
-  StereoInput input = misalignedPair();
+  StereoInput input = pairWithOffset();
   cv::randu(input.left, 0, 256);
   const PreparedPair pair = processor_.prepare(input);
   const double needed = processor_.match(pair, offset_).result.memory_mb;
@@ -234,7 +234,7 @@ TEST_F(Processor, LooksAtTheMemoryAnewWhenTheSizeChanges) {
   options_.max_memory_mb = static_cast<int>(std::ceil(requiredMemoryMb({251, 131}, options_)));
   processor_.setOptions(options_);
   EXPECT_NO_THROW(process());
-  EXPECT_THROW(process(misalignedPair(600)), InputError);
+  EXPECT_THROW(process(pairWithOffset(600)), InputError);
   EXPECT_NO_THROW(process());
 }
 
@@ -253,7 +253,7 @@ TEST_F(Processor, KeepsTheVerticalOffsetWhenOtherParametersChange) {
 
 TEST_F(Processor, ForgetsTheVerticalOffsetWhenItsParametersOrTheSizeChange) {
   processUntilMeasured();
-  EXPECT_EQ(process(misalignedPair(231)).result.rectification.matches, 0);
+  EXPECT_EQ(process(pairWithOffset(231)).result.rectification.matches, 0);
   processUntilMeasured();
   options_.rectification.max_offset_px = 3;
   processor_.setOptions(options_);

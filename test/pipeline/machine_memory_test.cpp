@@ -104,7 +104,7 @@ TEST(RequireMachineMemory, NamesWhatNeedsIt) {
             "samples need 11 MB, but the machine has 10 MB. Take fewer");
 }
 
-TEST(DescribeFailure, HasASentenceForMissingMemory) {
+TEST(DescribeFailure, ExplainsMissingMemory) {
   EXPECT_EQ(describeFailure(std::runtime_error("as it is")), "as it is");
   EXPECT_TRUE(mentions(describeFailure(std::bad_alloc()), {"not enough memory", "MB"}));
   EXPECT_TRUE(mentions(describeFailure(cv::Exception(cv::Error::StsNoMem, "e", "f", "g", 1)),

@@ -73,7 +73,7 @@ TEST(Parameters, SetTheirOwnField) {
   }
 }
 
-TEST(Parameters, RefuseWrongTypesAndValues) {
+TEST(Parameters, RejectWrongTypesAndValues) {
   StereoOptions options;
   EXPECT_THAT(rejection([&] { findParameter("P1").set(options, 61.0); }),
               AllOf(HasSubstr("P1"), HasSubstr("61"), HasSubstr("[0, 60]")));
@@ -148,7 +148,7 @@ TEST(Preset, NamesFileAndKeyThatAreWrong) {
   EXPECT_THAT(read(writePreset("P1: [")), HasSubstr("not valid YAML"));
 }
 
-TEST(Preset, RefusesHostileYaml) {
+TEST(Preset, RejectsHostileYaml) {
   const auto read = [](const std::string& text) {
     return rejection([&] {
       StereoOptions options;

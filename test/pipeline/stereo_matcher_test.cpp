@@ -161,8 +161,8 @@ TEST(StereoMatcher, DoesNotDependOnThreadsNorOnEarlierFrames) {
   }
 }
 
-/// Every setting of optimization and refinement has an effect: changed alone, it changes the
-/// disparities of a noisy scene.
+/// Every setting of cost aggregation, SGM and refinement has an effect: changed alone, it changes
+/// the disparities of a noisy scene.
 TEST(StereoMatcher, EverySettingHasAnEffect) {
   RenderOptions noisy;
   noisy.noise_sigma = 14;
@@ -287,7 +287,7 @@ TEST(StereoMatcher, TwoWorkSideBySide) {
   expectSame(result_second, expected_second);
 }
 
-TEST(StereoMatcher, RefusesBadImages) {
+TEST(StereoMatcher, RejectsBadImages) {
   StereoMatcher matcher(randomForest(), optionsFor({0, 8}));
   const cv::Mat gray(20, 30, CV_8UC1, cv::Scalar(1));
   const auto rejection = [&](const cv::Mat& left, const cv::Mat& right) -> std::string {
@@ -306,7 +306,7 @@ TEST(StereoMatcher, RefusesBadImages) {
   EXPECT_EQ(rejection(gray, gray), "");
 }
 
-TEST(StereoMatcher, RefusesInconsistentOptionsAndKeepsTheOld) {
+TEST(StereoMatcher, RejectsInconsistentOptionsAndKeepsTheOld) {
   StereoOptions bad = optionsFor({0, 8});
   bad.sgm.p1 = 20;
   EXPECT_THROW(StereoMatcher(randomForest(), bad), Error);

@@ -163,7 +163,7 @@ TEST(RectificationTracker, DisabledItNeverCorrects) {
   EXPECT_EQ(tracker.update(scene.left, scene.right, kRange, 10.0).matches, 0);
 }
 
-TEST(RectificationTracker, RefusesOtherImages) {
+TEST(RectificationTracker, RejectsOtherImages) {
   const cv::Mat gray = cv::Mat::zeros(40, 40, CV_8UC1);
   RectificationTracker tracker({});
   EXPECT_THROW(tracker.update(gray, gray.rowRange(0, 30), kRange, 0.0), Error);

@@ -39,7 +39,7 @@ double largestError(const VerticalOffset& model, const RenderOptions& options,
   return largest;
 }
 
-RenderOptions misaligned(double offset, double slope_x, double slope_y, double twist = 0.0,
+RenderOptions withOffset(double offset, double slope_x, double slope_y, double twist = 0.0,
                          double curvature_x = 0.0, double curvature_y = 0.0) {
   RenderOptions options;
   options.vertical_offset = offset;
@@ -93,11 +93,11 @@ TEST(EstimateVerticalOffset, RecoversEveryTermOfTheModel) {
   const cv::Size size(351, 263);
   int seed = 0;
   for (const RenderOptions& options :
-       {misaligned(0.6, 0.0, 0.0), misaligned(-2.3, 0.0, 0.0), misaligned(0.0, 0.006, 0.0),
-        misaligned(0.0, 0.0, -0.008), misaligned(-1.3, -0.005, 0.004),
-        misaligned(0.0, 0.0, 0.0, 5e-5), misaligned(0.4, 0.002, 0.003, -4e-5),
-        misaligned(0.0, 0.0, 0.0, 0.0, 3e-5), misaligned(0.0, 0.0, 0.0, 0.0, 0.0, 5e-5),
-        misaligned(-0.3, 0.001, 0.0, 2e-5, -2e-5, 3e-5)}) {
+       {withOffset(0.6, 0.0, 0.0), withOffset(-2.3, 0.0, 0.0), withOffset(0.0, 0.006, 0.0),
+        withOffset(0.0, 0.0, -0.008), withOffset(-1.3, -0.005, 0.004),
+        withOffset(0.0, 0.0, 0.0, 5e-5), withOffset(0.4, 0.002, 0.003, -4e-5),
+        withOffset(0.0, 0.0, 0.0, 0.0, 3e-5), withOffset(0.0, 0.0, 0.0, 0.0, 0.0, 5e-5),
+        withOffset(-0.3, 0.001, 0.0, 2e-5, -2e-5, 3e-5)}) {
     const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
     const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
     EXPECT_LT(largestError(model, options, size), 0.05);
@@ -115,7 +115,7 @@ TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
   for (const double offset : {-2.3, 0.05, 0.35}) {
     for (const double slope : {-0.006, 0.0, 0.002}) {
       const double twist = 0.01 * slope;
-      const RenderOptions options = misaligned(offset, slope, 0.5 * slope, twist, -twist, twist);
+      const RenderOptions options = withOffset(offset, slope, 0.5 * slope, twist, -twist, twist);
       const RenderedScene scene = renderScene(size.width, size.height, ++seed, options);
       const VerticalOffset model = measureVerticalOffset(scene.left, scene.right, kRange, {}).model;
       SCOPED_TRACE(testing::Message() << "offset " << offset << ", slope " << slope);
@@ -134,7 +134,7 @@ TEST(MeasureVerticalOffset, ErrorsLieWithinThreeStatedStandardDeviations) {
 }
 
 TEST(MeasureVerticalOffset, SaysWhatTheCorrectionIsWorth) {
-  const RenderOptions options = misaligned(1.2, 0.004, 0.0);
+  const RenderOptions options = withOffset(1.2, 0.004, 0.0);
   const RenderedScene scene = renderScene(351, 263, 4, options);
   const auto measurement = measureVerticalOffset(scene.left, scene.right, kRange, {});
   const double expected = measurement.model.rootMeanSquare(scene.left.size());
@@ -144,7 +144,7 @@ TEST(MeasureVerticalOffset, SaysWhatTheCorrectionIsWorth) {
 }
 
 TEST(MeasureVerticalOffset, TellsWhatIsTooSmallToCorrect) {
-  const RenderedScene scene = renderScene(351, 263, 2, misaligned(0.5, 0.0, 0.0));
+  const RenderedScene scene = renderScene(351, 263, 2, withOffset(0.5, 0.0, 0.0));
   RectificationOptions coarse;
   coarse.min_correction_px = 0.7;
   const auto measurement = measureVerticalOffset(scene.left, scene.right, kRange, coarse);
@@ -156,7 +156,7 @@ TEST(MeasureVerticalOffset, TellsWhatIsTooSmallToCorrect) {
 }
 
 TEST(EstimateVerticalOffset, RecoversWithNegativeDisparities) {
-  const RenderOptions options = misaligned(0.8, 0.0, 0.0);
+  const RenderOptions options = withOffset(0.8, 0.0, 0.0);
   const RenderedScene scene = renderScene(363, 263, 3, options);
   const cv::Mat left = scene.left.colRange(12, 363);
   const cv::Mat right = scene.right.colRange(0, 351);
@@ -165,7 +165,7 @@ TEST(EstimateVerticalOffset, RecoversWithNegativeDisparities) {
 }
 
 TEST(EstimateVerticalOffset, SurvivesNoiseInAThirdOfTheImage) {
-  const RenderOptions options = misaligned(0.7, 0.003, 0.0);
+  const RenderOptions options = withOffset(0.7, 0.003, 0.0);
   const RenderedScene scene = renderScene(351, 263, 4, options);
   noise({117, 263}, 5).copyTo(scene.right.colRange(117, 234));
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
@@ -175,9 +175,9 @@ TEST(EstimateVerticalOffset, SurvivesNoiseInAThirdOfTheImage) {
 /// A quarter of the matches agree on another offset, in one corner where a tilted model could fit
 /// them.
 TEST(EstimateVerticalOffset, RejectsAQuarterThatMovedOtherwise) {
-  const RenderOptions options = misaligned(0.7, 0.0, 0.0);
+  const RenderOptions options = withOffset(0.7, 0.0, 0.0);
   const RenderedScene scene = renderScene(351, 263, 4, options);
-  const RenderedScene other = renderScene(351, 263, 4, misaligned(-1.5, 0.0, 0.0));
+  const RenderedScene other = renderScene(351, 263, 4, withOffset(-1.5, 0.0, 0.0));
   const cv::Rect quarter(0, 0, 175, 131);
   other.right(quarter).copyTo(scene.right(quarter));
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
@@ -219,7 +219,7 @@ TEST(EstimateVerticalOffset, ImagesWithoutMatchesGiveNoEstimate) {
 }
 
 TEST(EstimateVerticalOffset, AnOffsetBeyondTheLimitGivesNoEstimate) {
-  const RenderedScene scene = renderScene(351, 263, 2, misaligned(9.0, 0.0, 0.0));
+  const RenderedScene scene = renderScene(351, 263, 2, withOffset(9.0, 0.0, 0.0));
   expectNoEstimate(estimateVerticalOffset(scene.left, scene.right, kRange, {}));
   RectificationOptions wide;
   wide.max_offset_px = 12.0;
@@ -234,7 +234,7 @@ TEST(EstimateVerticalOffset, SmallImagesGiveNoEstimate) {
 }
 
 TEST(EstimateVerticalOffset, ObeysItsOptions) {
-  const RenderedScene scene = renderScene(351, 263, 2, misaligned(0.5, 0.0, 0.0));
+  const RenderedScene scene = renderScene(351, 263, 2, withOffset(0.5, 0.0, 0.0));
   const auto estimate = [&](const RectificationOptions& options) {
     return estimateVerticalOffset(scene.left, scene.right, kRange, options);
   };
@@ -251,7 +251,7 @@ TEST(EstimateVerticalOffset, ObeysItsOptions) {
 }
 
 TEST(EstimateVerticalOffset, IsDeterministic) {
-  const RenderedScene scene = renderScene(351, 263, 2, misaligned(0.5, 0.001, 0.0));
+  const RenderedScene scene = renderScene(351, 263, 2, withOffset(0.5, 0.001, 0.0));
   const VerticalOffset first = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
@@ -266,7 +266,7 @@ TEST(EstimateVerticalOffset, IsDeterministic) {
   EXPECT_EQ(first.matches, second.matches);
 }
 
-TEST(EstimateVerticalOffset, RefusesOtherImages) {
+TEST(EstimateVerticalOffset, RejectsOtherImages) {
   const cv::Mat gray = noise({64, 48}, 1);
   EXPECT_THROW(estimateVerticalOffset(gray, gray.rowRange(0, 40), kRange, {}), Error);
   EXPECT_THROW(estimateVerticalOffset(gray, cv::Mat::zeros(48, 64, CV_8UC3), kRange, {}), Error);
@@ -334,7 +334,7 @@ TEST(AlignRightRows, ColorIsAlignedLikeGray) {
 TEST(AlignRightRows, UndoesWhatWasEstimated) {
   const RenderedScene straight = renderScene(351, 263, 6);
   const RenderedScene scene =
-      renderScene(351, 263, 6, misaligned(1.4, 0.004, -0.003, 3e-5, 2e-5, -2e-5));
+      renderScene(351, 263, 6, withOffset(1.4, 0.004, -0.003, 3e-5, 2e-5, -2e-5));
   const VerticalOffset model = estimateVerticalOffset(scene.left, scene.right, kRange, {});
   const cv::Mat aligned = alignRightRows(scene.right, model);
   EXPECT_TRUE(estimateVerticalOffset(scene.left, aligned, kRange, {}).isZero());

@@ -10,7 +10,7 @@
 namespace cbmv::test {
 namespace {
 
-double naiveSubpixel(const OptimizedVolume& costs, View view, const DisparityRange& range, int y,
+double naiveSubpixel(const AggregatedVolume& costs, View view, const DisparityRange& range, int y,
                      int x, float disparity) {
   if (disparity == range.invalid() || disparity != std::floor(disparity)) {
     return disparity;
@@ -31,7 +31,7 @@ double naiveSubpixel(const OptimizedVolume& costs, View view, const DisparityRan
   return d - (after - before) / (2 * (after - 2 * here + before));
 }
 
-void expectNaive(const OptimizedVolume& costs, View view, const Shape& shape,
+void expectNaive(const AggregatedVolume& costs, View view, const Shape& shape,
                  const cv::Mat& before) {
   cv::Mat after = before.clone();
   refineSubpixel(costs, view, shape.range, after);
@@ -48,7 +48,7 @@ class Subpixel : public testing::TestWithParam<Case> {};
 TEST_P(Subpixel, EqualsNaiveParabolaAtWinners) {
   const auto [shape, view, content] = GetParam();
   for (const int max_cost : {0, 2, 5355, 65535}) {  // small ones cause many equal costs
-    const OptimizedVolume costs = makeCosts(shape, content, max_cost, 15);
+    const AggregatedVolume costs = makeCosts(shape, content, max_cost, 15);
     cv::Mat winners;
     winnerTakesAll(costs, view, shape.range, winners);
     expectNaive(costs, view, shape, winners);
@@ -57,7 +57,7 @@ TEST_P(Subpixel, EqualsNaiveParabolaAtWinners) {
 
 TEST_P(Subpixel, LeavesPixelsWithoutMinimum) {
   const auto [shape, view, content] = GetParam();
-  const OptimizedVolume costs = makeCosts(shape, content, 3, 16);
+  const AggregatedVolume costs = makeCosts(shape, content, 3, 16);
   cv::Mat disparity = makeDisparity(shape, content, 7, 17);
   expectNaive(costs, view, shape, disparity);
   disparity += 0.25F;
@@ -67,7 +67,7 @@ TEST_P(Subpixel, LeavesPixelsWithoutMinimum) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Subpixel, allCases());
 
 TEST(Subpixel, FindsTheMinimumOfAParabola) {
-  OptimizedVolume costs(1, 9, 5);
+  AggregatedVolume costs(1, 9, 5);
   for (int x = 0; x < 9; ++x) {
     for (int i = 0; i < 5; ++i) {
       costs.pixel(0, x)[i] =

@@ -174,7 +174,7 @@ TEST(Presets, CanBeNamedAtTheStart) {
   EXPECT_EQ(optionsText(config), expectedText("kitti"));
 }
 
-TEST(Startup, RefusesBadPrivateParameters) {
+TEST(Startup, RejectsBadPrivateParameters) {
   for (const auto& [name, value] : {std::pair("queue_size", 0), std::pair("threads", -1),
                                     std::pair("approximate_sync_max_interval_s", -1),
                                     std::pair("approximate_sync", 1),  // neither true nor false
@@ -422,14 +422,14 @@ TEST(FrameIds, MayDiffer) {
   EXPECT_EQ(disparity->header.frame_id, "left_camera");
 }
 
-TEST(FrameIds, AreRefusedIfTheyMayNotDiffer) {
+TEST(FrameIds, AreRejectedIfTheyMayNotDiffer) {
   LogReader log;
-  StereoNodelet nodelet("refused_frame_id_test");
+  StereoNodelet nodelet("rejected_frame_id_test");
   nodelet.parameters().setParam("allow_different_frame_ids", false);
   ASSERT_TRUE(nodelet.load());
-  EXPECT_FALSE(disparityComes("refused_frame_id_test", renameRightFrame, 1));
-  EXPECT_TRUE(log.waitForWarning({"/refused_frame_id_test/left/image_rect",
-                                  "/refused_frame_id_test/right/image_rect", "'left_camera'",
+  EXPECT_FALSE(disparityComes("rejected_frame_id_test", renameRightFrame, 1));
+  EXPECT_TRUE(log.waitForWarning({"/rejected_frame_id_test/left/image_rect",
+                                  "/rejected_frame_id_test/right/image_rect", "'left_camera'",
                                   "'right_camera'", "allow_different_frame_ids"}));
 }
 

@@ -265,7 +265,7 @@ TEST(GrayPair, TakesBothOrdersOfBytes) {
   EXPECT_EQ(cv::norm(toFloats(*toBigEndian(message, 4), "t"), floats, cv::NORM_INF), 0);
 }
 
-TEST(GrayPair, RefusesWhatDiffers) {
+TEST(GrayPair, RejectsWhatDiffers) {
   PairMessages messages = goodMessages();
   messages.right_image =
       makeImage(cv::Mat(20, 37, CV_8UC1, cv::Scalar(7)), "mono8", messages.right_image->header);
@@ -280,7 +280,7 @@ TEST(GrayPair, RefusesWhatDiffers) {
   EXPECT_NO_THROW(grayPairOf(messages, true));
 }
 
-TEST(GrayPair, RefusesMalformedImages) {
+TEST(GrayPair, RejectsMalformedImages) {
   PairMessages messages = goodMessages();
   messages.left_image->width = messages.right_image->width = 0;
   expectBadPair(messages, InputFault::kEmptyImage, {kTopics.left_image, "0 x 23"});
@@ -332,7 +332,7 @@ TEST(Color, TakesBayerAndSixteenBits) {
   EXPECT_EQ(color.at<cv::Vec3b>(9, 9), cv::Vec3b(255, 128, 0));
 }
 
-TEST(Color, RefusesOtherSizesAndEncodings) {
+TEST(Color, RejectsOtherSizesAndEncodings) {
   expectInputError(
       [&] {
         toColor(*makeImage(cv::Mat(kSize, CV_8UC3), "bgr8", {}), "/color", {38, 23});
@@ -375,7 +375,7 @@ TEST(Geometry, FollowsBinningAndRegionOfInterest) {
   EXPECT_DOUBLE_EQ(geometry.disparity_offset_px, (8 - 12) / 2.0);
 }
 
-TEST(Geometry, RefusesUnusableCameras) {
+TEST(Geometry, RejectsUnusableCameras) {
   PairMessages messages = goodMessages();
   messages.right_info->P.assign(0);
   expectBadInfo(messages, InputFault::kUncalibrated, {kTopics.right_info, "P[0]"});
@@ -404,7 +404,7 @@ TEST(Geometry, RefusesUnusableCameras) {
 
 /// Numbers above some limit do not belong to a camera, and values computed from them do not fit
 /// into a float.
-TEST(Geometry, RefusesNumbersOfNoCamera) {
+TEST(Geometry, RejectsNumbersOfNoCamera) {
   for (const double value : {1e300, -1e10, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()}) {
     for (const std::size_t entry : {0U, 2U, 3U, 5U, 6U, 11U}) {
@@ -428,9 +428,9 @@ TEST(Geometry, RefusesNumbersOfNoCamera) {
 TEST(Quoted, IsShortAndPrintable) {
   EXPECT_EQ(quoted("mono8"), "'mono8'");
   EXPECT_EQ(quoted(std::string("a\n\0\xff b", 6)), "'a??? b'");
-  const std::string sentence = quoted(std::string(100000, 'x'));
-  EXPECT_LT(sentence.size(), 100U);
-  EXPECT_EQ(sentence.substr(sentence.size() - 5), "x...'");
+  const std::string shown = quoted(std::string(100000, 'x'));
+  EXPECT_LT(shown.size(), 100U);
+  EXPECT_EQ(shown.substr(shown.size() - 5), "x...'");
 }
 
 TEST(Geometry, RectifiedInfoIsTheGeometry) {

@@ -9,8 +9,6 @@
 #include <nodelet/detail/callback_queue_manager.h>
 #include <ros/callback_queue_interface.h>
 
-#include "ros/start_nodelet.h"
-
 namespace cbmv {
 namespace {
 

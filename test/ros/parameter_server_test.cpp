@@ -85,7 +85,7 @@ TEST(ApplyConfig, SetsEveryParameter) {
   }
 }
 
-TEST(ApplyConfig, RefusesWhatIsNotANumber) {
+TEST(ApplyConfig, RejectsWhatIsNotANumber) {
   auto config = StereoConfig::__getDefault__();
   config.P2 = std::numeric_limits<double>::quiet_NaN();
   StereoOptions options;
@@ -128,10 +128,10 @@ TEST(Preset, NamesThatThereAreAreListed) {
   setenv("ROS_PACKAGE_PATH", CBMV_SOURCE_DIR, 1);
   StereoOptions options;
   EXPECT_NO_THROW(applyPreset("kitti", options));
-  const std::string refusal = errorText([&] { applyPreset("nonsense", options); });
-  EXPECT_TRUE(mentions(refusal, {"'nonsense'", "balanced, ", "quality", "realtime", "path"}));
-  EXPECT_EQ(refusal.find(".rviz"), std::string::npos);
-  EXPECT_EQ(refusal.find("comparison"), std::string::npos);
+  const std::string error = errorText([&] { applyPreset("nonsense", options); });
+  EXPECT_TRUE(mentions(error, {"'nonsense'", "balanced, ", "quality", "realtime", "path"}));
+  EXPECT_EQ(error.find(".rviz"), std::string::npos);
+  EXPECT_EQ(error.find("comparison"), std::string::npos);
 }
 
 TEST(Preset, IsCustomOnceAValueDiffers) {

@@ -193,7 +193,7 @@ std::set<std::string> argumentsOf(const std::string& launch) {
 /// They pass on arguments of stereo.launch; their own arguments are documented.
 TEST(RosDocument, HasTheArgumentsOfTheOtherLaunchFiles) {
   const std::string documented = section("Launch files");
-  for (const char* file : {"stereo_image_proc_replacement", "comparison"}) {
+  for (const char* file : {"stereo_image_proc_replacement", "comparison", "demo"}) {
     const auto names =
         argumentsOf(readFile(CBMV_SOURCE_DIR "/launch/" + std::string(file) + ".launch"));
     EXPECT_GE(names.size(), 5U) << file;

@@ -236,7 +236,7 @@ TEST_F(Diagnostics, WhatIsNotMeasuredIsNoWarning) {
   const Report unknown = report(diagnostics_, &StereoDiagnostics::describeRectification, 1);
   EXPECT_EQ(unknown.level, DiagnosticStatus::OK);
   expectHolds(unknown.message, "not measured");
-  EXPECT_TRUE(misalignmentWarning(makeFrame(5), 0).empty());  // no limit
+  EXPECT_TRUE(verticalOffsetWarning(makeFrame(5), 0).empty());  // no limit
 }
 
 TEST(RecentValues, ForgetsWhatIsOld) {

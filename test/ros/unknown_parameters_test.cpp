@@ -18,14 +18,20 @@ TEST(UnknownNames, HaveANearestOne) {
 }
 
 TEST(UnknownNames, OfLaunchFilesAreDescribed) {
-  const auto messages =
-      describeUnknownArguments("queue_sise disparity_range : left queue_size", kParameters);
-  ASSERT_EQ(messages.size(), 2U);
+  const auto messages = describeUnknownArguments(
+      "queue_sise disparity_range dispartiy_range : left queue_size", kParameters);
+  ASSERT_EQ(messages.size(), 3U);
   EXPECT_EQ(
       messages[0],
       "queue_sise is not an argument of the launch file and is ignored. Did you mean queue_size?");
-  EXPECT_TRUE(mentions(messages[1], {"disparity_range is not an argument",
-                                     "Did you mean disparity_range? It is a parameter"}));
+  EXPECT_EQ(messages[1],
+            "disparity_range is not an argument of the launch file and is ignored. It is a "
+            "parameter. Set it as a private parameter of the node, in a preset, or with "
+            "dynamic_reconfigure");
+  EXPECT_EQ(messages[2],
+            "dispartiy_range is not an argument of the launch file and is ignored. Did you mean "
+            "the parameter disparity_range? Set it as a private parameter of the node, in a "
+            "preset, or with dynamic_reconfigure");
 }
 
 TEST(UnknownNames, MayBeNone) {

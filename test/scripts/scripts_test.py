@@ -26,7 +26,7 @@ class ScriptTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         path.chmod(0o755)
 
-    def refuses(self, script, *arguments, says, lines=1, **environment):
+    def rejects(self, script, *arguments, says, lines=1, **environment):
         """Expects an error whose last line begins with the script's name and contains `says`."""
         variables = {name: value for name, value in os.environ.items() if name != "CBMV_DATA"}
         variables.update({name: str(value) for name, value in environment.items()})
@@ -41,26 +41,26 @@ class ScriptTest(unittest.TestCase):
 
 class Run(ScriptTest):
     def test_unknown_program(self):
-        self.refuses("run", "cbmv_nonsense", says="cbmv_match")
-        self.refuses("run", says="cbmv_match")
+        self.rejects("run", "cbmv_nonsense", says="cbmv_match")
+        self.rejects("run", says="cbmv_match")
 
 
 class TestOn(ScriptTest):
     def test_wrong_arguments(self):
-        self.refuses("test_on", says="expected bullseye, bookworm or trixie")
-        self.refuses("test_on", "focal", says="the release is 'focal'")
-        self.refuses("test_on", "trixie", "--compiler", says="--compiler has no value")
-        self.refuses("test_on", "trixie", "--only", "build", says="--only is build, expected demo, test or workspace")
-        self.refuses("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none, expected a folder")
+        self.rejects("test_on", says="expected bullseye, bookworm or trixie")
+        self.rejects("test_on", "focal", says="the release is 'focal'")
+        self.rejects("test_on", "trixie", "--compiler", says="--compiler has no value")
+        self.rejects("test_on", "trixie", "--only", "build", says="--only is build, expected demo, test or workspace")
+        self.rejects("test_on", "trixie", CBMV_DATA=self.folder / "none", says="none, expected a folder")
 
 
 class Soak(ScriptTest):
     def test_wrong_arguments(self):
-        self.refuses("soak", "--size", "640", says="--size is 640, expected WIDTHxHEIGHT")
-        self.refuses("soak", "--factors", "1,x", says="--factors is 1,x, expected numbers")
+        self.rejects("soak", "--size", "640", says="--size is 640, expected WIDTHxHEIGHT")
+        self.rejects("soak", "--factors", "1,x", says="--factors is 1,x, expected numbers")
 
     def test_missing_program(self):
-        self.refuses("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
+        self.rejects("soak", "--build", self.folder, says=f"there is no {self.folder}/devel/lib/")
 
 
 class CheckLinks(ScriptTest):
@@ -89,112 +89,112 @@ class CheckLinks(ScriptTest):
 class Generalization(ScriptTest):
     DATA = ("data/middlebury_eval3_Q", "data/kitti2012", "data/kitti2015")
 
-    def refuses_with(self, says, lines=1, output="output"):
-        self.refuses("generalization", "--data", self.folder / "data", "--programs",
+    def rejects_with(self, says, lines=1, output="output"):
+        self.rejects("generalization", "--data", self.folder / "data", "--programs",
                      self.folder / "programs", "--output", self.folder / output, says=says,
                      lines=lines)
 
     def test_missing_program(self):
-        self.refuses_with("there is no cbmv_train")
+        self.rejects_with("there is no cbmv_train")
         self.make_program("cbmv_train")
-        self.refuses_with("there is no cbmv_eval")
+        self.rejects_with("there is no cbmv_eval")
 
     def test_missing_folder(self):
         self.make_program("cbmv_train")
         self.make_program("cbmv_eval")
-        self.refuses_with(self.folder / "data/middlebury_eval3_Q")
+        self.rejects_with(self.folder / "data/middlebury_eval3_Q")
         self.make_folders(*self.DATA[:2])
-        self.refuses_with(self.folder / "data/kitti2015")
+        self.rejects_with(self.folder / "data/kitti2015")
 
     def test_folder_that_cannot_be_made(self):
         self.make_program("cbmv_train")
         self.make_program("cbmv_eval")
         self.make_folders(*self.DATA)
         (self.folder / "file").write_text("no folder")
-        self.refuses_with(self.folder / "file", output="file/output")
+        self.rejects_with(self.folder / "file", output="file/output")
 
     def test_program_that_fails(self):
         self.make_program("cbmv_train")
         self.make_program("cbmv_eval", "#!/bin/sh\nexit 1\n")
         self.make_folders(*self.DATA)
-        self.refuses_with("cbmv_eval has failed", lines=2)  # after the command
+        self.rejects_with("cbmv_eval has failed", lines=2)  # after the command
 
 
 class EvaluationReport(ScriptTest):
     def test_missing_report(self):
         report = self.folder / "none.json"
-        self.refuses("evaluation_report", report, "--output", self.folder / "page.html",
+        self.rejects("evaluation_report", report, "--output", self.folder / "page.html",
                      says=f"{report} cannot be read")
 
     def test_something_else_than_a_report(self):
         report = self.folder / "report.json"
         report.write_text("{}")
-        self.refuses("evaluation_report", report, "--output", self.folder / "page.html",
+        self.rejects("evaluation_report", report, "--output", self.folder / "page.html",
                      says=f"{report} is not a JSON report of this version of cbmv_eval")
 
 
 class ConfidencePictures(ScriptTest):
     def test_missing_report(self):
         report = self.folder / "report.json"
-        self.refuses("confidence_pictures", "--kitti", report, "--output", self.folder,
+        self.rejects("confidence_pictures", "--kitti", report, "--output", self.folder,
                      says=f"{report} cannot be read")
 
     def test_report_without_confidence(self):
         report = self.folder / "report.json"
         report.write_text('{"scenes": [{"scene": "Teddy"}]}', encoding="utf-8")
-        self.refuses("confidence_pictures", "--kitti", report, "--output", self.folder,
+        self.rejects("confidence_pictures", "--kitti", report, "--output", self.folder,
                      says="has no confidence of every scene")
 
     def test_something_else_than_a_map(self):
         for name in ("depth_sigma.pfm", "disparity.pfm", "confidence.pfm"):
             (self.folder / name).write_text("P5 2 2", encoding="utf-8")
-        self.refuses("confidence_pictures", "--maps", self.folder, self.folder, "--output",
+        self.rejects("confidence_pictures", "--maps", self.folder, self.folder, "--output",
                      self.folder, says="depth_sigma.pfm is not a map")
 
 
 class Benchmark(ScriptTest):
-    def refuses_with(self, says, *arguments, lines=1, **environment):
-        self.refuses("benchmark", "--build", self.folder / "programs", "--output",
+    def rejects_with(self, says, *arguments, lines=1, **environment):
+        self.rejects("benchmark", "--build", self.folder / "programs", "--output",
                      self.folder / "output", *arguments, says=says, lines=lines, **environment)
 
     def test_missing_program(self):
-        self.refuses_with("there is no cbmv_benchmark")
+        self.rejects_with("there is no cbmv_benchmark")
         self.make_program("cbmv_benchmark")
-        self.refuses_with("there is no cbmv_eval")
+        self.rejects_with("there is no cbmv_eval")
 
     def test_missing_data(self):
         self.make_program("cbmv_benchmark")
         self.make_program("cbmv_eval")
-        self.refuses_with("CBMV_DATA is not set")
-        self.refuses_with(self.folder / "middlebury_eval3_Q", CBMV_DATA=self.folder)
+        self.rejects_with("CBMV_DATA is not set")
+        self.rejects_with(self.folder / "middlebury_eval3_Q", CBMV_DATA=self.folder)
         self.make_folders("middlebury_eval3_Q")
-        self.refuses_with(self.folder / "kitti2012", CBMV_DATA=self.folder)
+        self.rejects_with(self.folder / "kitti2012", CBMV_DATA=self.folder)
 
     def test_missing_matplotlib(self):
         self.make_program("cbmv_benchmark")
         self.make_program("cbmv_eval")
         self.make_folders("middlebury_eval3_Q", "kitti2012")
         (self.folder / "matplotlib.py").write_text("raise ImportError('none here')\n")
-        self.refuses_with("python3-matplotlib", CBMV_DATA=self.folder, PYTHONPATH=self.folder)
+        self.rejects_with("python3-matplotlib", CBMV_DATA=self.folder, PYTHONPATH=self.folder)
 
     def test_program_that_fails(self):
         self.make_program("cbmv_benchmark", "#!/bin/sh\nexit 1\n")
         self.make_program("cbmv_eval")
         self.make_folders("middlebury_eval3_Q", "kitti2012")
-        self.refuses_with("cbmv_benchmark has failed", CBMV_DATA=self.folder)
+        self.rejects_with("cbmv_benchmark has failed", CBMV_DATA=self.folder)
 
     def test_measurements_that_are_not_there(self):
         self.make_folders("middlebury_eval3_Q", "kitti2012", "output")
         keep = ("--keep", "times", "memory", "poles", "accuracy", "kitti")
-        self.refuses_with(self.folder / "output/benchmark.json", *keep, CBMV_DATA=self.folder)
+        self.rejects_with(self.folder / "output/benchmark.json", *keep, CBMV_DATA=self.folder)
         (self.folder / "output/benchmark.json").write_text("{")
-        self.refuses_with("is not valid JSON", *keep, CBMV_DATA=self.folder)
+        self.rejects_with("is not valid JSON", *keep, CBMV_DATA=self.folder)
 
 
 CHECK = """#!/bin/sh
 [ "$1" = check ] || exit 1
 for last; do true; done
-echo '{"frames": 90, "width": 640, "height": 480, "processor_ms": 100.0, "problems": []}' > "$last"
+echo '{"frames": 90, "width": 640, "height": 480, "cpu_ms": 100.0, "problems": []}' > "$last"
 """
 
 
@@ -224,8 +224,8 @@ class Cluster(ScriptTest):
         self.assertEqual(done.returncode, 0, done.stdout)
         return done.stdout, self.asked.read_text().splitlines()
 
-    def refuses_to_submit(self, *arguments, says, path=None):
-        self.refuses("cluster/submit", *arguments, says=says, PATH=path or self.path)
+    def submit_rejects(self, *arguments, says, path=None):
+        self.rejects("cluster/submit", *arguments, says=says, PATH=path or self.path)
 
     def job_name(self):
         return next(word.partition("=")[2] for word in self.submit("--dry-run")[0].split()
@@ -233,7 +233,7 @@ class Cluster(ScriptTest):
 
     def test_array_and_merging(self):
         said, asked = self.submit("--cpus-per-task", "2", "--partition", "short", "--memory", "2G", "--copy")
-        self.assertIn("90 frames of 640x480, about 1 s for each of 4 shards on 2 processors", said)
+        self.assertIn("90 frames of 640x480, about 1 s for each of 4 shards on 2 CPUs", said)
         for words in ("--array=1-4 ", "--cpus-per-task=2", "--partition=short", "--mem=2G", "--requeue",
                       "--time=11 "):
             self.assertIn(words, asked[0])
@@ -273,28 +273,28 @@ class Cluster(ScriptTest):
 
     def test_other_settings(self):
         self.submit()
-        self.refuses_to_submit(self.bag, self.output, "--shards", 3, says="other shards")
-        self.refuses_to_submit(self.bag, self.output, "--copy", says="other options")
+        self.submit_rejects(self.bag, self.output, "--shards", 3, says="other shards")
+        self.submit_rejects(self.bag, self.output, "--copy", says="other options")
         self.bag.write_text("another bag")
-        self.refuses_to_submit(self.bag, self.output, says="other bytes")
+        self.submit_rejects(self.bag, self.output, says="other bytes")
 
-    def test_refusals(self):
+    def test_rejections(self):
         nothing = self.folder / "nothing"
         nothing.mkdir()
         for tool in ("env", "python3"):
             (nothing / tool).symlink_to(f"/usr/bin/{tool}")
         (nothing / "cbmv_bag").symlink_to(self.folder / "programs/cbmv_bag")
-        self.refuses_to_submit(self.bag, self.output, says="sbatch is not on the PATH", path=nothing)
-        self.refuses_to_submit(self.folder / "none.bag", self.output, says="none.bag does not exist")
-        self.refuses_to_submit(self.bag, self.folder, says="is a folder")
-        self.refuses_to_submit(self.bag, nothing / "none/out.bag", says="does not exist")
-        self.refuses_to_submit(self.bag, self.output, "--shard", "1/2", says="--shard is set by submit")
+        self.submit_rejects(self.bag, self.output, says="sbatch is not on the PATH", path=nothing)
+        self.submit_rejects(self.folder / "none.bag", self.output, says="none.bag does not exist")
+        self.submit_rejects(self.bag, self.folder, says="is a folder")
+        self.submit_rejects(self.bag, nothing / "none/out.bag", says="does not exist")
+        self.submit_rejects(self.bag, self.output, "--shard", "1/2", says="--shard is set by submit")
         self.make_program("cbmv_bag", "#!/bin/sh\necho cbmv_bag: in.bag: no stereo pair >&2; exit 2\n")
-        self.refuses_to_submit(self.bag, self.output, says="in.bag: no stereo pair")
+        self.submit_rejects(self.bag, self.output, says="in.bag: no stereo pair")
         self.assertFalse(self.shards.exists())
         self.output.touch()
-        self.refuses_to_submit(self.bag, self.output, says="out.bag exists")
-        self.refuses("cluster/status", self.output, says="plan.json")
+        self.submit_rejects(self.bag, self.output, says="out.bag exists")
+        self.rejects("cluster/status", self.output, says="plan.json")
 
 
 if __name__ == "__main__":

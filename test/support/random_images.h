@@ -83,11 +83,11 @@ inline cv::Mat makeGray(const cv::Size& size, Content content, std::uint32_t see
 }
 
 /// Costs in [0, max_cost]: noise, or low along patches of constant disparity.
-inline OptimizedVolume makeCosts(const Shape& shape, Content content, int max_cost,
-                                 std::uint32_t seed) {
+inline AggregatedVolume makeCosts(const Shape& shape, Content content, int max_cost,
+                                  std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> noise(0, content == Content::kNoise ? max_cost : max_cost / 8);
-  OptimizedVolume costs(shape.height, shape.width, shape.range.count);
+  AggregatedVolume costs(shape.height, shape.width, shape.range.count);
   for (int y = 0; y < shape.height; ++y) {
     for (int x = 0; x < shape.width; ++x) {
       const int truth = patchValue(y, x, shape.range.count - 1, seed, random);
@@ -126,7 +126,7 @@ inline bool isInside(const cv::Mat& image, int y, int x) {
 
 /// Compares volume(y, x)[i] with expected(y, x, i); stops at the first difference.
 template <typename Expected>
-void expectVolume(const OptimizedVolume& volume, const Shape& shape, const Expected& expected) {
+void expectVolume(const AggregatedVolume& volume, const Shape& shape, const Expected& expected) {
   ASSERT_EQ(volume.height(), shape.height);
   ASSERT_EQ(volume.width(), shape.width);
   ASSERT_EQ(volume.disparities(), shape.range.count);

@@ -34,8 +34,8 @@ inline Outcome run(const std::string& tool, const std::string& arguments,
 }
 
 /// Expects exit status 2 and `lines` lines on standard error that contain `parts`.
-inline void expectRefusal(const Outcome& outcome, const std::vector<std::string>& parts,
-                          int lines = 1) {
+inline void expectRejection(const Outcome& outcome, const std::vector<std::string>& parts,
+                            int lines = 1) {
   EXPECT_EQ(outcome.status, 2) << outcome.output;
   EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), lines)
       << outcome.output;

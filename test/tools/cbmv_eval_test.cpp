@@ -51,8 +51,8 @@ class EvalTest : public testing::Test {
 
   /// Expects one line for scene Two with the file name, and a final line; One is scored.
   void expectOnlyOne(const std::string& file, const std::string& what) const {
-    expectRefusal(evaluate("--json " + path("r.json")),
-                  {"scene Two failed", path(file), what, "1 of 2 scenes failed"}, 2);
+    expectRejection(evaluate("--json " + path("r.json")),
+                    {"scene Two failed", path(file), what, "1 of 2 scenes failed"}, 2);
     const EvaluationReport report = readJsonReport(path("r.json"));
     ASSERT_EQ(report.scenes.size(), 1U);
     EXPECT_EQ(report.scenes[0].scene, "One");
@@ -140,49 +140,51 @@ TEST_F(EvalTest, FoldsCanBeTrainedOnAnotherFolder) {
   const Outcome outcome = run("cbmv_eval", data + "--folds 3 --json " + path("r.json") + training);
   ASSERT_EQ(outcome.status, 0) << outcome.output;  // testQ has no scene of another fold
   EXPECT_EQ(readJsonReport(path("r.json")).scenes.size(), 1U);
-  expectRefusal(run("cbmv_eval", data + "--forest " + kForest + training), {"--train-dataset"}, 2);
+  expectRejection(run("cbmv_eval", data + "--forest " + kForest + training), {"--train-dataset"},
+                  2);
   writeScene(path("two_view/Piano"), renderScene(120, 60, 3));
-  expectRefusal(run("cbmv_eval", data + "--folds 3 --train-dataset eth3d:" + path("two_view")),
-                {"eth3d", "expected middlebury_v3"});
+  expectRejection(run("cbmv_eval", data + "--folds 3 --train-dataset eth3d:" + path("two_view")),
+                  {"eth3d", "expected middlebury_v3"});
 }
 
 TEST_F(EvalTest, WithoutMatplotlibAllButThePageIsThere) {
   fs::create_directory(path("python"));
   std::ofstream(path("python/matplotlib.py")) << "raise ImportError('none here')\n";
-  expectRefusal(evaluate("--report " + path("page"), "PYTHONPATH=" + path("python")),
-                {"The page cannot be written", "python3-matplotlib"});
+  expectRejection(evaluate("--report " + path("page"), "PYTHONPATH=" + path("python")),
+                  {"The page cannot be written", "python3-matplotlib"});
   EXPECT_FALSE(fs::exists(path("page/index.html")));
   EXPECT_EQ(readJsonReport(path("page/report.json")).scenes.size(), 2U);
   EXPECT_TRUE(fs::exists(path("page/maps/Two_error.jpg")));
 }
 
-TEST_F(EvalTest, ThePageProgramRefusesInASentence) {
-  const auto refuses = [&](const std::string& json, const std::string& what) {
+TEST_F(EvalTest, ThePageProgramRejectsOtherFiles) {
+  const auto rejects = [&](const std::string& json, const std::string& what) {
     std::ofstream(path("r.json")) << json;
-    expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
-                  {path("r.json"), what});
+    expectRejection(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
+                    {path("r.json"), what});
   };
-  refuses("", "not a JSON report");
-  refuses("[]", "not a JSON report");
-  refuses("{\"scenes\": [{\"scene\": \"One\"}]}", "not a JSON report");
-  refuses("{\"forest\": null, \"scenes\": [], \"mean\": null, \"weighted_mean\": null}",
+  rejects("", "not a JSON report");
+  rejects("[]", "not a JSON report");
+  rejects("{\"scenes\": [{\"scene\": \"One\"}]}", "not a JSON report");
+  rejects("{\"forest\": null, \"scenes\": [], \"mean\": null, \"weighted_mean\": null}",
           "no scene");
-  expectRefusal(run("cbmv_evaluation_report", path("none.json") + " --output " + path("p.html")),
-                {path("none.json"), "No such file"});
+  expectRejection(run("cbmv_evaluation_report", path("none.json") + " --output " + path("p.html")),
+                  {path("none.json"), "No such file"});
   EvaluationReport report;
   report.scenes.resize(1);
   report.scenes[0].scene = "One";
   report.scenes[0].curves.sparsification = {1, 2, 3};
   writeJsonReport(report, path("r.json"));
-  expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
-                {path("r.json"), "not a JSON report"});
+  expectRejection(run("cbmv_evaluation_report", path("r.json") + " --output " + path("p.html")),
+                  {path("r.json"), "not a JSON report"});
   report.scenes[0].curves = {};
   writeJsonReport(report, path("r.json"));
-  expectRefusal(run("cbmv_evaluation_report",
-                    path("r.json") + " --maps " + path("testQ") + " --output " + path("p.html")),
-                {path("testQ"), "picture of One"});
-  expectRefusal(run("cbmv_evaluation_report", path("r.json") + " --output " + path("none/p.html")),
-                {path("none/p.html"), "No such file"});
+  expectRejection(run("cbmv_evaluation_report",
+                      path("r.json") + " --maps " + path("testQ") + " --output " + path("p.html")),
+                  {path("testQ"), "picture of One"});
+  expectRejection(
+      run("cbmv_evaluation_report", path("r.json") + " --output " + path("none/p.html")),
+      {path("none/p.html"), "No such file"});
   EXPECT_FALSE(fs::exists(path("p.html")));
 }
 
@@ -211,8 +213,8 @@ TEST_F(EvalTest, SubmissionHasTheScenesWithoutTruthToo) {
 TEST_F(EvalTest, TestScenesAloneHaveAnUploadButNoPage) {
   fs::remove(path("testQ/One/disp0GT.pfm"));
   fs::remove(path("testQ/Two/disp0GT.pfm"));
-  expectRefusal(evaluate("--json " + path("r.json")),
-                {"scene One failed", "Two/disp0GT.pfm", "2 of 2"}, 3);
+  expectRejection(evaluate("--json " + path("r.json")),
+                  {"scene One failed", "Two/disp0GT.pfm", "2 of 2"}, 3);
   const Outcome outcome = evaluate("--submission " + path("upload") + " --report " + path("page"));
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_TRUE(fs::exists(path("upload/testQ/Two/disp0CBMV.pfm")));
@@ -237,7 +239,7 @@ TEST_F(EvalTest, NamesTheSceneThatIsWrongAndGoesOn) {
 
 TEST_F(EvalTest, ResumesWhatWasCutOff) {
   fs::resize_file(path("testQ/Two/disp0GT.pfm"), 1000);
-  expectRefusal(evaluate("--report " + path("page")), {"scene Two", "1 of 2"}, 2);
+  expectRejection(evaluate("--report " + path("page")), {"scene Two", "1 of 2"}, 2);
   EXPECT_THAT(contentOf(path("page/index.html")), HasSubstr("<h3>One<"));
   const auto one = fs::last_write_time(path("page/maps/One.pfm"));
   writeScene(path("testQ/Two"), renderScene(120, 60, 2));
@@ -276,24 +278,24 @@ TEST_F(EvalTest, ResumesTheSameDataSetOnly) {
 TEST_F(EvalTest, ReportsOfOlderVersionsAreNotResumed) {
   std::ofstream(path("r.json")) << R"({"forest": null, "preset": null, "fingerprint": "01234567",
                                        "scenes": [], "mean": null, "weighted_mean": null})";
-  expectRefusal(evaluate("--resume --json " + path("r.json")),
-                {path("r.json"), "version 1", "without --resume"});
+  expectRejection(evaluate("--resume --json " + path("r.json")),
+                  {path("r.json"), "version 1", "without --resume"});
   EXPECT_EQ(evaluate("--json " + path("r.json")).status, 0);
 }
 
-TEST_F(EvalTest, RefusesBeforeItStarts) {
+TEST_F(EvalTest, RejectsBeforeItStarts) {
   for (const char* percent : {"0", "101", "x"}) {
-    expectRefusal(evaluate(std::string("--density ") + percent), {"--density", "up to 100"}, 2);
+    expectRejection(evaluate(std::string("--density ") + percent), {"--density", "up to 100"}, 2);
   }
-  expectRefusal(evaluate("--error-scale 0"), {"--error-scale", "above 0"}, 2);
-  expectRefusal(evaluate("--resume"), {"--resume needs --json or --report"});
+  expectRejection(evaluate("--error-scale 0"), {"--error-scale", "above 0"}, 2);
+  expectRejection(evaluate("--resume"), {"--resume needs --json or --report"});
   fs::rename(path("testQ"), path("renamed"));
   const std::string rest = path("renamed") + " --forest " + kForest + " --submission " + path("u");
-  expectRefusal(run("cbmv_eval", "--dataset middlebury_v3:" + rest), {"renamed", "Q, H or F"});
-  expectRefusal(run("cbmv_eval", "--dataset middlebury_2005:" + rest), {"has no scene"});
+  expectRejection(run("cbmv_eval", "--dataset middlebury_v3:" + rest), {"renamed", "Q, H or F"});
+  expectRejection(run("cbmv_eval", "--dataset middlebury_2005:" + rest), {"has no scene"});
   std::ofstream(path("file")) << "no folder\n";
-  expectRefusal(run("cbmv_eval", "--dataset eth3d:" + rest + " --report " + path("file")),
-                {path("file")});
+  expectRejection(run("cbmv_eval", "--dataset eth3d:" + rest + " --report " + path("file")),
+                  {path("file")});
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ TEST(RigCalibration, ErrorsAreThoseOfTheCorners) {
   EXPECT_NEAR(found.baselineM(), cv::norm(KnownRig().translation), 0.002);
 }
 
-TEST(RigCalibration, RefusesTooFewViewsAndIncompleteOnes) {
+TEST(RigCalibration, RejectsTooFewViewsAndIncompleteOnes) {
   std::vector<BoardView> views = projectAll(0);
   views.resize(3);
   views[1].right.pop_back();

@@ -80,21 +80,22 @@ TEST_F(ToolsTest, MatchFindsTheRange) {
 TEST_F(ToolsTest, MatchNamesTheFileThatIsWrong) {
   const std::string rest = " --forest " + kForest + " --output " + path("out");
   const std::string left = path("left.png");
-  expectRefusal(run("cbmv_match", path("text.png") + " " + left + rest), {path("text.png")});
-  expectRefusal(run("cbmv_match", left + " " + path("none.png") + rest), {path("none.png")});
+  expectRejection(run("cbmv_match", path("text.png") + " " + left + rest), {path("text.png")});
+  expectRejection(run("cbmv_match", left + " " + path("none.png") + rest), {path("none.png")});
   writeImage(path("small.png"), scene_.right.colRange(0, 50));
-  expectRefusal(run("cbmv_match", left + " " + path("small.png") + rest),
-                {path("small.png"), "size"});
-  expectRefusal(run("cbmv_match", left + " " + left + " --forest " + path("text.png") +
-                                      " --output " + path("out")),
-                {path("text.png"), "not a forest"});
+  expectRejection(run("cbmv_match", left + " " + path("small.png") + rest),
+                  {path("small.png"), "size"});
+  expectRejection(run("cbmv_match", left + " " + left + " --forest " + path("text.png") +
+                                        " --output " + path("out")),
+                  {path("text.png"), "not a forest"});
 }
 
-TEST_F(ToolsTest, MatchRefusesWhatNeedsTooMuchMemory) {
+TEST_F(ToolsTest, MatchRejectsWhatNeedsTooMuchMemory) {
   const std::string preset = folder_.write("small.yaml", "max_memory_mb: 2\n");
-  expectRefusal(run("cbmv_match", path("left.png") + " " + path("right.png") + " --forest " +
-                                      kForest + " --preset " + preset + " --output " + path("out")),
-                {"64 disparities need", "MB", "max_memory_mb allows 2"});
+  expectRejection(
+      run("cbmv_match", path("left.png") + " " + path("right.png") + " --forest " + kForest +
+                            " --preset " + preset + " --output " + path("out")),
+      {"64 disparities need", "MB", "max_memory_mb allows 2"});
 }
 
 TEST_F(ToolsTest, MatchWarnsOfRowsThatAreApart) {
@@ -117,9 +118,10 @@ TEST_F(ToolsTest, MatchOptionsWinOverThePreset) {
   const std::string preset = folder_.write("wide.yaml", "max_memory_mb: 2\ndisparity_range: 99\n");
   const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest +
                            " --output " + path("out") + " --preset " + preset;
-  expectRefusal(run("cbmv_match", pair + " --disparities 24"), {"24 disparities need", "allows 2"});
-  expectRefusal(run("cbmv_match", pair + " --max-memory-mb 3"),
-                {"99 disparities need", "allows 3"});
+  expectRejection(run("cbmv_match", pair + " --disparities 24"),
+                  {"24 disparities need", "allows 2"});
+  expectRejection(run("cbmv_match", pair + " --max-memory-mb 3"),
+                  {"99 disparities need", "allows 3"});
   EXPECT_EQ(run("cbmv_match", pair + " --disparities 24 --max-memory-mb 0").status, 0);
 }
 
@@ -185,16 +187,16 @@ TEST_F(ToolsTest, MatchWritesDepthAndCloudOfACalibratedPair) {
 TEST_F(ToolsTest, MatchSaysWhatIsWrongWithTheCalibration) {
   const std::string rest = path("left.png") + " " + path("right.png") + " --forest " + kForest +
                            " --output " + path("out") + " --calibration ";
-  expectRefusal(run("cbmv_match", rest + path("none.txt")), {path("none.txt"), "no such file"});
-  expectRefusal(run("cbmv_match", rest + path("text.png")), {path("text.png"), "cam0"});
+  expectRejection(run("cbmv_match", rest + path("none.txt")), {path("none.txt"), "no such file"});
+  expectRejection(run("cbmv_match", rest + path("text.png")), {path("text.png"), "cam0"});
   CameraCalibration camera;
   camera.width = 160;
   camera.height = 100;
   writeCameraYaml(path("left.yaml"), camera);
-  expectRefusal(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right camera"});
+  expectRejection(run("cbmv_match", rest + path("left.yaml")), {"left.yaml", "right camera"});
   writeMiddleburyCalibration(path("calib.txt"), {200, 80, 83, 50, 0.1, 320, 200, 32});
-  expectRefusal(run("cbmv_match", rest + path("calib.txt")),
-                {path("calib.txt"), "320 x 200 px", path("left.png"), "160 x 100 px"});
+  expectRejection(run("cbmv_match", rest + path("calib.txt")),
+                  {path("calib.txt"), "320 x 200 px", path("left.png"), "160 x 100 px"});
   EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 
@@ -250,17 +252,17 @@ TEST_F(ToolsTest, TrainGrowsARandomForestAndExportsItsSamples) {
   EXPECT_EQ(run("cbmv_train", "--kind dense --output " + path("new.forest")).status, 2);
 }
 
-TEST_F(ToolsTest, TrainRefusesBeforeItStarts) {
+TEST_F(ToolsTest, TrainRejectsBeforeItStarts) {
   writeScene(path("data/One"), scene_);
   const std::string rest = " --output " + path("new.forest");
   const std::string data = "--dataset middlebury_v3:" + path("data");
-  expectRefusal(run("cbmv_train", "--dataset other:" + path("data") + rest), {"middlebury_v3"});
-  expectRefusal(run("cbmv_train", "--dataset middlebury_v3:" + path("none") + rest),
-                {path("none")});
-  expectRefusal(run("cbmv_train", data + " --scenes Three" + rest), {"Three"});
-  expectRefusal(run("cbmv_train", data + " --exclude One" + rest), {path("data")});
+  expectRejection(run("cbmv_train", "--dataset other:" + path("data") + rest), {"middlebury_v3"});
+  expectRejection(run("cbmv_train", "--dataset middlebury_v3:" + path("none") + rest),
+                  {path("none")});
+  expectRejection(run("cbmv_train", data + " --scenes Three" + rest), {"Three"});
+  expectRejection(run("cbmv_train", data + " --exclude One" + rest), {path("data")});
   std::filesystem::resize_file(path("data/One/disp0GT.pfm"), 100);
-  expectRefusal(run("cbmv_train", data + rest), {path("data/One/disp0GT.pfm")});
+  expectRejection(run("cbmv_train", data + rest), {path("data/One/disp0GT.pfm")});
   EXPECT_FALSE(std::filesystem::exists(path("new.forest")));
 }
 
@@ -270,16 +272,16 @@ TEST_F(ToolsTest, OutputsAreCheckedBeforeTheWorkBegins) {
   const std::string data = "--dataset middlebury_v3:" + path("no_data");
   const std::string place = path("none/output");
   const std::string forest = " --forest " + kForest;
-  expectRefusal(run("cbmv_train", data + " --output " + place), {place, "there is no folder"});
-  expectRefusal(run("cbmv_train", data + " --output a --export-samples " + place), {place});
-  expectRefusal(run("cbmv_tune", data + forest + " --output " + place), {place});
+  expectRejection(run("cbmv_train", data + " --output " + place), {place, "there is no folder"});
+  expectRejection(run("cbmv_train", data + " --output a --export-samples " + place), {place});
+  expectRejection(run("cbmv_tune", data + forest + " --output " + place), {place});
   for (const char* option : {"json", "csv", "markdown"}) {
-    expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + place), {place});
+    expectRejection(run("cbmv_eval", data + forest + " --" + option + " " + place), {place});
   }
   for (const char* option : {"maps", "report", "submission"}) {
     const std::string folder = path("text.png/folder");
-    expectRefusal(run("cbmv_eval", data + forest + " --" + option + " " + folder),
-                  {folder, path("text.png") + " is not a folder"});
+    expectRejection(run("cbmv_eval", data + forest + " --" + option + " " + folder),
+                    {folder, path("text.png") + " is not a folder"});
   }
 }
 
@@ -297,20 +299,21 @@ TEST_F(ToolsTest, NoOutputIsAnInput) {
   const std::string with_forest = " --forest " + forest;
   const std::string lost = "would overwrite the input";
   for (const char* option : {"json", "csv", "markdown"}) {
-    expectRefusal(run("cbmv_eval", data + with_forest + " --" + option + " " + path("link")),
-                  {path("link"), forest, lost});
+    expectRejection(run("cbmv_eval", data + with_forest + " --" + option + " " + path("link")),
+                    {path("link"), forest, lost});
   }
-  expectRefusal(run("cbmv_eval", data + with_forest + " --preset " + preset + " --csv " + preset),
-                {preset, lost});
-  expectRefusal(run("cbmv_eval", list + with_forest + " --json " + path("list.txt")), {lost});
-  expectRefusal(run("cbmv_train", list + " --output " + path("list.txt")), {lost});
-  expectRefusal(run("cbmv_tune", data + with_forest + " --output " + forest), {forest, lost});
-  expectRefusal(run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
-                {preset, lost});
+  expectRejection(run("cbmv_eval", data + with_forest + " --preset " + preset + " --csv " + preset),
+                  {preset, lost});
+  expectRejection(run("cbmv_eval", list + with_forest + " --json " + path("list.txt")), {lost});
+  expectRejection(run("cbmv_train", list + " --output " + path("list.txt")), {lost});
+  expectRejection(run("cbmv_tune", data + with_forest + " --output " + forest), {forest, lost});
+  expectRejection(
+      run("cbmv_tune", data + with_forest + " --start " + preset + " --output " + preset),
+      {preset, lost});
   std::filesystem::copy_file(path("left.png"), path("disparity.png"));
-  expectRefusal(run("cbmv_match", path("disparity.png") + " " + path("right.png") + with_forest +
-                                      " --output " + path("")),
-                {"disparity.png", lost});
+  expectRejection(run("cbmv_match", path("disparity.png") + " " + path("right.png") + with_forest +
+                                        " --output " + path("")),
+                  {"disparity.png", lost});
   EXPECT_EQ(contentOf(forest), contentOf(kForest));
 }
 
@@ -350,13 +353,13 @@ TEST_F(ToolsTest, KnowPresetsAndForestsByName) {
             0);
   const std::string pair = path("left.png") + " " + path("right.png") + " --forest " + kForest;
   EXPECT_EQ(run("cbmv_match", pair + " --preset realtime --output " + path("out")).status, 0);
-  expectRefusal(run("cbmv_match", pair + " --preset fast --output " + path("out")),
-                {"unknown preset 'fast'", "balanced, ", "realtime", "path"});
-  expectRefusal(run("cbmv_eval", data + " --forest small"),
-                {"unknown forest 'small'", "middlebury_small", "path"});
-  expectRefusal(run("cbmv_tune",
-                    data + " --forest " + kForest + " --start fast --output " + path("tuned.yaml")),
-                {"unknown preset 'fast'"});
+  expectRejection(run("cbmv_match", pair + " --preset fast --output " + path("out")),
+                  {"unknown preset 'fast'", "balanced, ", "realtime", "path"});
+  expectRejection(run("cbmv_eval", data + " --forest small"),
+                  {"unknown forest 'small'", "middlebury_small", "path"});
+  expectRejection(run("cbmv_tune", data + " --forest " + kForest + " --start fast --output " +
+                                       path("tuned.yaml")),
+                  {"unknown preset 'fast'"});
 }
 
 TEST_F(ToolsTest, TuneWritesAPreset) {
@@ -370,9 +373,9 @@ TEST_F(ToolsTest, TuneWritesAPreset) {
   StereoOptions options;
   readPreset(path("tuned.yaml"), options);
   EXPECT_EQ(options.refinement.bilateral_sigma_px, 1.5F);
-  expectRefusal(run("cbmv_tune", rest + path("none/tuned.yaml")), {path("none")});
-  expectRefusal(run("cbmv_tune", "--start " + path("none.yaml") + rest + path("tuned.yaml")),
-                {path("none.yaml")});
+  expectRejection(run("cbmv_tune", rest + path("none/tuned.yaml")), {path("none")});
+  expectRejection(run("cbmv_tune", "--start " + path("none.yaml") + rest + path("tuned.yaml")),
+                  {path("none.yaml")});
   EXPECT_EQ(run("cbmv_tune", "").status, 2);
   EXPECT_EQ(run("cbmv_tune", "--help").status, 0);
 }

@@ -194,7 +194,7 @@ TEST(Boosting, NamesWhatIsWrongWithSamplesOfConfidence) {
   EXPECT_TRUE(mentions(fault([](Changed&, auto& o) { o.depth = 9; }), {"depth"}));
 }
 
-TEST(Boosting, RefusesImpossibleOptions) {
+TEST(Boosting, RejectsImpossibleOptions) {
   const Samples samples = checkerboard(100);
   const auto train = [&](const auto& change) {
     BoostingOptions options;

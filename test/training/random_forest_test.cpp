@@ -116,7 +116,7 @@ TEST(RandomForestThreads, DoNotChangeTheForest) {
   EXPECT_NE(train(1, 1), train(1, 2));
 }
 
-TEST_F(RandomForest, RefusesImpossibleOptions) {
+TEST_F(RandomForest, RejectsImpossibleOptions) {
   const Samples samples = checkerboard(100);
   const auto train = [&](const auto& change) {
     RandomForestOptions options;

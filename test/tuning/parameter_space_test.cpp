@@ -66,15 +66,15 @@ TEST(ParameterSpace, FirstStepsReachTheNextWholeNumber) {
   }
 }
 
-TEST(ParameterSpace, RefusesWhatCannotBeSearched) {
-  const auto refusal = [](const std::vector<std::string>& names) {
+TEST(ParameterSpace, RejectsWhatCannotBeSearched) {
+  const auto error = [](const std::vector<std::string>& names) {
     return errorText([&] { ParameterSpace space(names); });
   };
-  EXPECT_TRUE(mentions(refusal({"P3"}), {"P3"}));
-  EXPECT_TRUE(mentions(refusal({"subpixel"}), {"subpixel", "numbers"}));
-  EXPECT_TRUE(mentions(refusal({"min_disparity"}), {"min_disparity"}));
-  EXPECT_TRUE(mentions(refusal({"P1", "P2", "P1"}), {"P1", "twice"}));
-  EXPECT_TRUE(mentions(refusal({}), {"no parameter"}));
+  EXPECT_TRUE(mentions(error({"P3"}), {"P3"}));
+  EXPECT_TRUE(mentions(error({"subpixel"}), {"subpixel", "numbers"}));
+  EXPECT_TRUE(mentions(error({"min_disparity"}), {"min_disparity"}));
+  EXPECT_TRUE(mentions(error({"P1", "P2", "P1"}), {"P1", "twice"}));
+  EXPECT_TRUE(mentions(error({}), {"no parameter"}));
 }
 
 TEST(PresetParameters, AreThoseBehindTheVolume) {

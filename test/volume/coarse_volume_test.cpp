@@ -39,7 +39,7 @@ TEST_P(HalveVolume, EqualsNaiveOne) {
   if (shape.width < 2 || shape.height < 2) {
     GTEST_SKIP() << "nothing to halve";
   }
-  const OptimizedVolume words = makeCosts(shape, Content::kNoise, 255, 7);
+  const AggregatedVolume words = makeCosts(shape, Content::kNoise, 255, 7);
   MatchingVolume costs(shape.height, shape.width, shape.range.count);
   std::copy_n(words.row(0), words.size(), costs.row(0));
   MatchingVolume half;

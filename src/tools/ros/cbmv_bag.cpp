@@ -19,8 +19,8 @@
 #include "io/other_file.h"
 #include "io/output_check.h"
 #include "offline/bag_check.h"
+#include "offline/bag_processing.h"
 #include "offline/bag_writer.h"
-#include "offline/conversion.h"
 #include "tools/program_files.h"
 #include "tools/progress_bar.h"
 #include "tools/range_checks.h"
@@ -37,7 +37,7 @@ constexpr int kIncomplete = 3;  ///< exit status: finished, but some frames are 
 volatile std::sig_atomic_t stop_requested = 0;
 
 struct Arguments {
-  ConversionOptions conversion;
+  BagProcessingOptions processing;
   StereoArguments stereo;
   std::string forest, json, shard;
   std::string format = "auto";
@@ -66,7 +66,7 @@ std::optional<DisparityFormat> fileFormat(const std::string& format, const std::
 }
 
 /// Reports the output, and on stderr why it is incomplete.
-void reportOutput(const std::string& output, const ConversionSummary& summary) {
+void reportOutput(const std::string& output, const BagProcessingSummary& summary) {
   for (const std::string& problem : summary.problems) {
     std::fprintf(stderr, "%s: %s\n", kTool, problem.c_str());
   }
@@ -77,7 +77,7 @@ void reportOutput(const std::string& output, const ConversionSummary& summary) {
 }
 
 /// Reports the plan before a long run, so that the user can stop it.
-void reportPlan(const ConversionSummary& summary) {
+void reportPlan(const BagProcessingSummary& summary) {
   std::printf("%s\n", summary.plan.topics.rectification.c_str());
   std::fflush(stdout);
   for (const std::string& warning : summary.warnings) {
@@ -86,8 +86,8 @@ void reportPlan(const ConversionSummary& summary) {
 }
 
 std::vector<std::string> inputFiles(const Arguments& arguments) {
-  std::vector<std::string> files = arguments.conversion.inputs;
-  const TopicChoice& topics = arguments.conversion.topics;
+  std::vector<std::string> files = arguments.processing.inputs;
+  const TopicChoice& topics = arguments.processing.topics;
   files.insert(files.end(),
                {forestFile(arguments.forest), topics.left_calibration, topics.right_calibration});
   if (!arguments.stereo.preset.empty()) {
@@ -106,7 +106,7 @@ void requireWritableJson(const Arguments& arguments) {
 }
 
 void requireWritable(const Arguments& arguments) {
-  const ConversionOptions& options = arguments.conversion;
+  const BagProcessingOptions& options = arguments.processing;
   options.files ? requireWritableFolder(options.output) : requireWritableFile(options.output);
   requireWritableJson(arguments);
   const std::string written = options.files ? options.output + "/index.csv" : options.output;
@@ -117,8 +117,8 @@ void requireWritable(const Arguments& arguments) {
   }
 }
 
-int convert(Arguments& arguments) {
-  ConversionOptions& options = arguments.conversion;
+int process(Arguments& arguments) {
+  BagProcessingOptions& options = arguments.processing;
   options.files = fileFormat(arguments.format, options.output);
   options.matching.stereo = readStereoOptions(arguments.stereo, kTool);
   requireWritable(arguments);
@@ -129,16 +129,16 @@ int convert(Arguments& arguments) {
                     : arguments.resume  ? EarlierParts::kResume
                                         : EarlierParts::kReject;
   const auto forest = loadForest(forestFile(arguments.forest));
-  ConversionSummary summary;
+  BagProcessingSummary summary;
   {
     ProgressBar bar(stderr, isTerminal(stderr));
-    ConversionEvents events;
+    BagProcessingEvents events;
     events.begin = reportPlan;
     events.progress = [&](std::size_t done, std::size_t total) {
       bar.show("frames", static_cast<int>(done), static_cast<int>(total), "");
     };
     events.should_stop = [] { return stop_requested != 0; };
-    summary = convertBags(options, forest, events);
+    summary = processBags(options, forest, events);
   }
   if (summary.was_complete) {
     std::printf("%s is complete already\n", options.output.c_str());
@@ -153,10 +153,10 @@ int convert(Arguments& arguments) {
 }
 
 int check(Arguments& arguments) {
-  arguments.conversion.matching.stereo = readStereoOptions(arguments.stereo, kTool);
+  arguments.processing.matching.stereo = readStereoOptions(arguments.stereo, kTool);
   requireWritableJson(arguments);
   const auto forest = loadForest(forestFile(arguments.forest));
-  const BagCheck found = checkBags(arguments.conversion, forest);
+  const BagCheck found = checkBags(arguments.processing, forest);
   std::fputs(found.text.c_str(), stdout);
   for (const std::string& problem : found.problems) {
     std::printf("problem: %s\n", problem.c_str());
@@ -176,7 +176,7 @@ int merge(const MergeOptions& options) {
 }
 
 void addInput(CLI::App& app, Arguments& arguments) {
-  ConversionOptions& options = arguments.conversion;
+  BagProcessingOptions& options = arguments.processing;
   app.add_option("bags", options.inputs, "Bags of one recording (processed as one bag)")
       ->required();
   app.add_option("--left", options.topics.left, "Topic of the left images");
@@ -215,13 +215,13 @@ void addInput(CLI::App& app, Arguments& arguments) {
 }
 
 void addMatching(CLI::App& app, Arguments& arguments) {
-  MatchingOptions& options = arguments.conversion.matching;
+  MatchingOptions& options = arguments.processing.matching;
   app.add_option("--forest", arguments.forest, kForestHelp)->required();
   addStereoOptions(app, arguments.stereo);
   app.add_option("--min-confidence", options.min_confidence,
                  "Pixels with a lower confidence become invalid")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_flag("--allow-different-frame-ids,!--refuse-different-frame-ids",
+  app.add_flag("--allow-different-frame-ids,!--reject-different-frame-ids",
                options.allow_different_frame_ids,
                "Accept pairs with different frame_ids (default: yes)");
 }
@@ -233,7 +233,7 @@ void addCompression(CLI::App& app, std::string& compression) {
 
 /// `check` accepts the options of processing, but requires none of them.
 void addOutput(CLI::App& app, Arguments& arguments, bool check) {
-  ConversionOptions& options = arguments.conversion;
+  BagProcessingOptions& options = arguments.processing;
   app.add_option("--output", options.output, "Bag or folder to write, see --format")
       ->required(!check);
   app.add_option("--format", arguments.format,
@@ -284,7 +284,7 @@ int runMerge(int argc, char** argv) {
   return error_status != 0 ? error_status : status;
 }
 
-int runCheckOrConvert(int argc, char** argv, bool is_check) {
+int runCheckOrProcess(int argc, char** argv, bool is_check) {
   CLI::App app{is_check ? "Checks bags of a stereo camera: pairs, calibration, processing time"
                         : "Computes disparity, depth and point clouds for bags of a stereo camera"};
   Arguments arguments;
@@ -298,7 +298,7 @@ int runCheckOrConvert(int argc, char** argv, bool is_check) {
   }
   int status = 0;
   const int error_status = runTool(
-      app, argc, argv, kTool, [&] { status = is_check ? check(arguments) : convert(arguments); });
+      app, argc, argv, kTool, [&] { status = is_check ? check(arguments) : process(arguments); });
   return error_status != 0 ? error_status : status;
 }
 
@@ -320,5 +320,5 @@ int main(int argc, char** argv) {
     return cbmv::runMerge(argc - 1, argv + 1);
   }
   const bool check = command == "check";
-  return cbmv::runCheckOrConvert(check ? argc - 1 : argc, check ? argv + 1 : argv, check);
+  return cbmv::runCheckOrProcess(check ? argc - 1 : argc, check ? argv + 1 : argv, check);
 }

@@ -1,4 +1,4 @@
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 
 #include <algorithm>
 #include <chrono>
@@ -52,7 +52,7 @@ std::string describeCamera(const CameraTopics& topics) {
 }
 
 /// Everything the frames depend on, independent of folder and machine.
-std::string describeOrigin(const ConversionOptions& options, const FramePlan& plan,
+std::string describeOrigin(const BagProcessingOptions& options, const FramePlan& plan,
                            const BagSet& bags, const Forest& forest,
                            const std::vector<std::string>& output_topics) {
   std::ostringstream text;
@@ -116,8 +116,8 @@ std::size_t countFailed(const Segments& segments, const std::string& any_topic) 
 }
 
 /// Writes the output from its parts.
-void mergeParts(const ConversionOptions& options, const BagSet& bags,
-                const ConversionSummary& summary, const FrameOutputs& outputs,
+void mergeParts(const BagProcessingOptions& options, const BagSet& bags,
+                const BagProcessingSummary& summary, const FrameOutputs& outputs,
                 std::optional<ShardLabel> label, Segments& segments) {
   const std::vector<BagMessage> others = options.copy
                                              ? otherMessages(bags, summary.plan, outputs.topics())
@@ -133,8 +133,8 @@ void mergeParts(const ConversionOptions& options, const BagSet& bags,
 }
 
 /// Limits the plan to the requested shard.
-std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const std::string& origin,
-                                      bool damaged, FramePlan& plan) {
+std::optional<ShardLabel> chooseShard(const BagProcessingOptions& options,
+                                      const std::string& origin, bool damaged, FramePlan& plan) {
   if (!options.shard) {
     return std::nullopt;
   }
@@ -145,7 +145,7 @@ std::optional<ShardLabel> chooseShard(const ConversionOptions& options, const st
 
 /// Runs the pipeline. If writing fails, the frames written until then are kept.
 PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
-                          const ConversionSummary& summary) {
+                          const BagProcessingSummary& summary) {
   try {
     PipelineReport report =
         runPipeline(parts, summary.plan.first + summary.resumed, summary.threads);
@@ -158,7 +158,7 @@ PipelineReport runAndKeep(const PipelineParts& parts, Segments& segments,
 }
 
 /// Processes the frames that are not in the parts yet.
-void processFrames(const PipelineParts& parts, Segments& segments, ConversionSummary& summary) {
+void processFrames(const PipelineParts& parts, Segments& segments, BagProcessingSummary& summary) {
   const double begin_s = steadySeconds();
   const std::clock_t begin_clock = std::clock();
   const PipelineReport report = runAndKeep(parts, segments, summary);
@@ -173,7 +173,7 @@ void processFrames(const PipelineParts& parts, Segments& segments, ConversionSum
   summary.interrupted = segments.framesDone() < summary.plan.framesToProcess();
 }
 
-void requireFitting(const ConversionOptions& options) {
+void requireFitting(const BagProcessingOptions& options) {
   for (const std::string& input : options.inputs) {
     requireOtherFile(input, options.output);
   }
@@ -213,12 +213,12 @@ std::string rowsWarning(const CameraTopics& topics, const PlannedFrame& first,
                         const StereoOptions& options) {
   const std::string rectified_twice =
       topics.left.raw ? doubleRectificationWarning(topics, first, options) : std::string();
-  return rectified_twice.empty() ? misalignedRowsWarning(topics, first, options) : rectified_twice;
+  return rectified_twice.empty() ? verticalOffsetWarning(topics, first, options) : rectified_twice;
 }
 
 /// Plans the work without doing any of it.
-ConversionSummary planConversion(const ConversionOptions& options, const BagSet& bags) {
-  ConversionSummary summary;
+BagProcessingSummary planProcessing(const BagProcessingOptions& options, const BagSet& bags) {
+  BagProcessingSummary summary;
   summary.damages = bags.damages();
   PlanOptions plan = options.plan;
   plan.offset_interval_s = options.matching.stereo.rectification.interval_s;
@@ -241,9 +241,9 @@ ConversionSummary planConversion(const ConversionOptions& options, const BagSet&
 
 /// Creates the output from the parts. If all frames failed, no bag is written, because it would
 /// look like a result.
-void finishOutput(const ConversionOptions& options, const BagSet& bags, const FrameOutputs& outputs,
-                  const std::optional<ShardLabel>& label, const FrameFiles* files,
-                  Segments& segments, ConversionSummary& summary) {
+void finishOutput(const BagProcessingOptions& options, const BagSet& bags,
+                  const FrameOutputs& outputs, const std::optional<ShardLabel>& label,
+                  const FrameFiles* files, Segments& segments, BagProcessingSummary& summary) {
   if (summary.interrupted) {
     return;
   }
@@ -266,8 +266,8 @@ void finishOutput(const ConversionOptions& options, const BagSet& bags, const Fr
 }
 
 /// Writes a frame and reports the progress.
-decltype(PipelineParts::write) writerOf(Segments& segments, const ConversionEvents& events,
-                                        const ConversionSummary& summary) {
+decltype(PipelineParts::write) writerOf(Segments& segments, const BagProcessingEvents& events,
+                                        const BagProcessingSummary& summary) {
   return [&segments, &events, done = summary.resumed, total = summary.plan.framesToProcess()](
              const std::vector<RawMessage>& messages, const ros::Time& time) mutable {
     segments.write(messages, time);
@@ -279,12 +279,12 @@ decltype(PipelineParts::write) writerOf(Segments& segments, const ConversionEven
 
 }  // namespace
 
-ConversionSummary convertBags(const ConversionOptions& options,
-                              const std::shared_ptr<const Forest>& forest,
-                              const ConversionEvents& events) {
+BagProcessingSummary processBags(const BagProcessingOptions& options,
+                                 const std::shared_ptr<const Forest>& forest,
+                                 const BagProcessingEvents& events) {
   requireFitting(options);  // before any other work
   const BagSet bags(options.inputs);
-  ConversionSummary summary = planConversion(options, bags);
+  BagProcessingSummary summary = planProcessing(options, bags);
   if (summary.plan.frames.empty() && !options.shard) {
     return summary;
   }

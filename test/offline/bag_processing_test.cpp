@@ -1,4 +1,4 @@
-#include "offline/conversion.h"
+#include "offline/bag_processing.h"
 
 #include <filesystem>
 #include <fstream>
@@ -26,10 +26,10 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class ConversionTest : public testing::Test {
+class BagProcessingTest : public testing::Test {
  protected:
-  ConversionSummary convert(const ConversionOptions& options) {
-    return convertBags(options, forest_, {});
+  BagProcessingSummary process(const BagProcessingOptions& options) {
+    return processBags(options, forest_, {});
   }
   ProcessedFrame processLive(const PairMessages& messages) {
     FrameProcessor processor(forest_, options_.matching.stereo);
@@ -48,14 +48,14 @@ class ConversionTest : public testing::Test {
   TemporaryFolder folder_;
   std::string input_ = folder_.file("in.bag");
   std::string output_ = folder_.file("out.bag");
-  ConversionOptions options_ = conversionOf(input_, output_);
+  BagProcessingOptions options_ = processingOf(input_, output_);
   std::shared_ptr<const Forest> forest_ = fixtureForest();
 };
 
-TEST_F(ConversionTest, WritesWhatTheLiveNodePublishes) {
+TEST_F(BagProcessingTest, WritesWhatTheLiveNodePublishes) {
   writeRecording(input_, 4);
   options_.outputs = {"disparity", "depth", "confidence", "cloud"};
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_TRUE(summary.isComplete());
   EXPECT_EQ(summary.processed, 4U);
   const Content content = messagesOf(output_);
@@ -80,36 +80,36 @@ TEST_F(ConversionTest, WritesWhatTheLiveNodePublishes) {
   }
 }
 
-TEST_F(ConversionTest, EveryOutputCanBeAskedFor) {
+TEST_F(BagProcessingTest, EveryOutputCanBeAskedFor) {
   writeRecording(input_, 1);
   options_.outputs = fixtureOutputs();
-  convert(options_);
+  process(options_);
   EXPECT_EQ(messagesOf(output_).size(), fixtureOutputs().size());
   options_.outputs = {"disparity", "flow"};
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"'flow'", "disparity, depth"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"'flow'", "disparity, depth"}));
 }
 
-TEST_F(ConversionTest, DepthSigmaNeedsASecondForest) {
+TEST_F(BagProcessingTest, DepthSigmaNeedsASecondForest) {
   writeRecording(input_, 1);
   options_.outputs = {"disparity", "depth_sigma"};
   EXPECT_TRUE(
-      mentions(errorText([&] { convert(options_); }), {"depth_sigma", "second forest", "--write"}));
+      mentions(errorText([&] { process(options_); }), {"depth_sigma", "second forest", "--write"}));
 }
 
-TEST_F(ConversionTest, ThreadsChangeNothing) {
+TEST_F(BagProcessingTest, ThreadsChangeNothing) {
   writeRecording(input_, 7);
   options_.matching.stereo.threads = 1;
-  convert(options_);
+  process(options_);
   options_.output = folder_.file("many.bag");
   options_.matching.stereo.threads = 4;
-  convert(options_);
+  process(options_);
   EXPECT_EQ(messagesOf(output_).size(), 7U);
   EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
 }
 
 /// The range is found per frame, independent of earlier frames: a near object in the middle of the
 /// bag.
-TEST_F(ConversionTest, AnAutomaticRangeIsThatOfTheFrame) {
+TEST_F(BagProcessingTest, AnAutomaticRangeIsThatOfTheFrame) {
   const cv::Size size(160, 96);
   const auto message = [&](int index) {
     return makeMessages(renderPair(size, 3, index == 2 ? 40 : 8, 5), Rig{},
@@ -122,7 +122,7 @@ TEST_F(ConversionTest, AnAutomaticRangeIsThatOfTheFrame) {
     }
   }
   options_.matching.stereo.range.count = 0;
-  EXPECT_EQ(convert(options_).processed, 5U);
+  EXPECT_EQ(process(options_).processed, 5U);
   const auto found = disparities(output_);
   ASSERT_EQ(found.size(), 5U);
   for (int index = 0; index < 5; ++index) {
@@ -132,11 +132,11 @@ TEST_F(ConversionTest, AnAutomaticRangeIsThatOfTheFrame) {
   EXPECT_LT(found[3]->max_disparity, 40);
   options_.output = folder_.file("one.bag");
   options_.matching.stereo.threads = 1;
-  convert(options_);
+  process(options_);
   EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
 }
 
-TEST_F(ConversionTest, CountsWhatHasNoPartner) {
+TEST_F(BagProcessingTest, CountsWhatHasNoPartner) {
   const PairMessages late = recordedFrame(20);
   const PairMessages lone = recordedFrame(30);
   writeRecording(input_, 3, [&](rosbag::Bag& bag) {
@@ -145,7 +145,7 @@ TEST_F(ConversionTest, CountsWhatHasNoPartner) {
     bag.write("/stereo/right/image_rect", ros::Time(104), lone.right_image);
     bag.write("/stereo/left/image_rect", ros::Time(105), recordedFrame(1).left_image);
   });
-  const ConversionSummary exact = convert(options_);
+  const BagProcessingSummary exact = process(options_);
   EXPECT_EQ(exact.processed, 3U);
   EXPECT_EQ(exact.plan.left_alone, 1U);
   EXPECT_EQ(exact.plan.right_alone, 2U);
@@ -154,37 +154,37 @@ TEST_F(ConversionTest, CountsWhatHasNoPartner) {
 
   options_.earlier = EarlierParts::kOverwrite;
   options_.plan.max_stamp_difference_s = 0.05;
-  const ConversionSummary close = convert(options_);
+  const BagProcessingSummary close = process(options_);
   EXPECT_EQ(close.processed, 4U);
   EXPECT_EQ(close.plan.left_alone, 0U);
   EXPECT_EQ(close.plan.infos_of_other_stamps, 1U);
   EXPECT_EQ(bytesOf(*disparities(output_).back()), disparityLive(recordedFrame(20)));
 }
 
-TEST_F(ConversionTest, TakesAPartOfTheRecording) {
+TEST_F(BagProcessingTest, TakesAPartOfTheRecording) {
   writeRecording(input_, 10);
   options_.plan.start_s = 0.15;  // recorded every 0.1 s
   options_.plan.duration_s = 0.6;
   options_.plan.every = 2;
-  convert(options_);
+  process(options_);
   const auto found = disparities(output_);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_NEAR(found[0]->header.stamp.toSec(), 100.2, 1e-6);
   EXPECT_NEAR(found[2]->header.stamp.toSec(), 100.6, 1e-6);
 }
 
-TEST_F(ConversionTest, SplitRecordingsAreOne) {
+TEST_F(BagProcessingTest, SplitRecordingsAreOne) {
   writeRecording(input_, 2);
   const std::string second = folder_.file("second.bag");
   rosbag::Bag bag(second, rosbag::bagmode::Write);
   writeFrame(bag, recordedFrame(2));
   bag.close();
   options_.inputs = {second, input_};
-  EXPECT_EQ(convert(options_).processed, 3U);
+  EXPECT_EQ(process(options_).processed, 3U);
   EXPECT_EQ(disparities(output_).front()->header.stamp, ros::Time(100));
 }
 
-TEST_F(ConversionTest, CopiesTheOtherTopics) {
+TEST_F(BagProcessingTest, CopiesTheOtherTopics) {
   std_msgs::String word;
   word.data = "word";
   const auto fill = [&](rosbag::Bag& bag) {
@@ -194,7 +194,7 @@ TEST_F(ConversionTest, CopiesTheOtherTopics) {
   writeRecording(input_, 3, fill);
   options_.copy = true;
   options_.compression = "lz4";
-  convert(options_);
+  process(options_);
   const Content content = messagesOf(output_);
   Content copied;
   std::copy_if(content.begin(), content.end(), std::back_inserter(copied),
@@ -232,10 +232,10 @@ void writeCompressed(const std::string& path, const PairMessages& messages,
   bag.write("/cam/right/camera_info", time, messages.right_info);
 }
 
-TEST_F(ConversionTest, ReadsCompressedImages) {
+TEST_F(BagProcessingTest, ReadsCompressedImages) {
   const PairMessages messages = recordedFrame(0);
   writeCompressed(input_, messages, ".png");
-  convert(options_);
+  process(options_);
   const auto found = readTopic<stereo_msgs::DisparityImage>(output_, "/cam/disparity");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(bytesOf(*found[0]), disparityLive(messages));
@@ -248,7 +248,7 @@ TEST_F(ConversionTest, ReadsCompressedImages) {
   }
   options_.earlier = EarlierParts::kOverwrite;
   writeCompressed(input_, messages, ".jpg");
-  convert(options_);
+  process(options_);
   const auto of_jpeg = readTopic<stereo_msgs::DisparityImage>(output_, "/cam/disparity");
   EXPECT_EQ(bytesOf(*of_jpeg.at(0)), disparityLive(lossy));
 }
@@ -275,7 +275,7 @@ void bendLens(sensor_msgs::CameraInfo& info, double angle) {
   info.R = {std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)};
 }
 
-TEST_F(ConversionTest, RectifiesRawImages) {
+TEST_F(BagProcessingTest, RectifiesRawImages) {
   PairMessages messages = recordedFrame(0);
   messages.right_image->encoding = "8UC1";
   bendLens(*messages.left_info, 0);
@@ -288,7 +288,7 @@ TEST_F(ConversionTest, RectifiesRawImages) {
   bag.write("/right/camera_info", time, messages.right_info);
   bag.close();
   options_.matching.stereo.rectification.enabled = false;
-  convert(options_);
+  process(options_);
 
   const auto rectify = [](sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info) {
     image_geometry::PinholeCameraModel camera;
@@ -306,7 +306,7 @@ TEST_F(ConversionTest, RectifiesRawImages) {
   EXPECT_EQ(bytesOf(*found[0]), disparityLive(messages));
 }
 
-TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
+TEST_F(BagProcessingTest, CloudsOfRawColorAreColored) {
   PairMessages messages = recordedFrame(0);
   bendLens(*messages.left_info, 0);
   bendLens(*messages.right_info, 0);
@@ -322,7 +322,7 @@ TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
   bag.close();
   options_.outputs = {"cloud"};
   options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
-  convert(options_);
+  process(options_);
   const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
   ASSERT_EQ(clouds.size(), 1U);
   const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
@@ -331,25 +331,25 @@ TEST_F(ConversionTest, CloudsOfRawColorAreColored) {
   EXPECT_EQ(center[2], 0);
 }
 
-TEST_F(ConversionTest, ListsWhatIsThereIfThereIsNoPair) {
+TEST_F(BagProcessingTest, ListsWhatIsThereIfThereIsNoPair) {
   const PairMessages messages = recordedFrame(0);
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   bag.write("/mono/image_raw", ros::Time(1), messages.left_image);
   bag.close();
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }),
                        {"in.bag", "no stereo pair", "/mono/image_raw  sensor_msgs/Image  1"}));
   options_.topics.left = options_.topics.right = "/mono/image_raw";
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"are both /mono/image_raw"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"are both /mono/image_raw"}));
   options_.topics.right = "/other/image_raw";
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"no images on /other/image_raw"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"no images on /other/image_raw"}));
   options_.topics.right.clear();
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--left and --right"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"--left and --right"}));
   EXPECT_FALSE(fs::exists(output_ + ".part.json"));
 }
 
 /// Pairs named image_raw that are already rectified, with the raw calibration, as written by
 /// kitti2bag.
-class RectifiedAsRaw : public ConversionTest {
+class RectifiedAsRaw : public BagProcessingTest {
  protected:
   RectifiedAsRaw() {
     rosbag::Bag bag(input_, rosbag::bagmode::Write);
@@ -381,7 +381,7 @@ class RectifiedAsRaw : public ConversionTest {
 };
 
 TEST_F(RectifiedAsRaw, AreWarnedOf) {
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_TRUE(summary.plan.topics.left.raw);
   EXPECT_TRUE(mentions(describeSummary(summary),
                        {"/kitti/left/image_raw and /kitti/right/image_raw are treated as raw and "
@@ -392,7 +392,7 @@ TEST_F(RectifiedAsRaw, AreWarnedOf) {
 
 TEST_F(RectifiedAsRaw, AreTakenAsTheyAreIfTheUserSaysSo) {
   options_.topics.rectified = Rectified::kYes;
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_TRUE(summary.warnings.empty());
   EXPECT_TRUE(mentions(describeSummary(summary), {"are treated as rectified: --rectified yes"}));
   EXPECT_TRUE(mentions(summaryJson(summary), {"\"rectified_by_us\": false"}));
@@ -402,28 +402,28 @@ TEST_F(RectifiedAsRaw, AreTakenAsTheyAreIfTheUserSaysSo) {
 
 /// The output would mix both kinds of frames.
 TEST_F(RectifiedAsRaw, AreNotResumedWithAnotherChoice) {
-  ConversionEvents events;
+  BagProcessingEvents events;
   events.should_stop = [] { return true; };
-  convertBags(options_, forest_, events);
+  processBags(options_, forest_, events);
   options_.earlier = EarlierParts::kResume;
   options_.topics.rectified = Rectified::kYes;
   EXPECT_TRUE(
-      mentions(errorText([&] { convert(options_); }), {"started with other input or options"}));
+      mentions(errorText([&] { process(options_); }), {"started with other input or options"}));
   options_.topics.rectified = Rectified::kNo;  // the choice derived from the name
-  EXPECT_TRUE(convert(options_).was_written);
+  EXPECT_TRUE(process(options_).was_written);
 }
 
 TEST_F(RectifiedAsRaw, AreToldOfBeforeTheWork) {
-  ConversionEvents events;
+  BagProcessingEvents events;
   std::size_t told = 0;
-  events.begin = [&](const ConversionSummary& summary) {
+  events.begin = [&](const BagProcessingSummary& summary) {
     ++told;
     EXPECT_EQ(summary.processed, 0U);
     EXPECT_THAT(summary.plan.topics.rectification,
                 HasSubstr("are treated as raw and rectified first"));
     EXPECT_THAT(summary.warnings, ElementsAre(HasSubstr("use --rectified yes")));
   };
-  convertBags(options_, forest_, events);
+  processBags(options_, forest_, events);
   EXPECT_EQ(told, 1U);
 }
 
@@ -431,11 +431,11 @@ TEST_F(RectifiedAsRaw, MayBeNamedRelatively) {
   options_.topics.left = "kitti/left/image_raw";
   options_.topics.right = "kitti/right/image_raw";
   options_.topics.rectified = Rectified::kYes;
-  EXPECT_TRUE(convert(options_).isComplete());
+  EXPECT_TRUE(process(options_).isComplete());
 }
 
 /// Used without camera_info, or instead of it.
-TEST_F(ConversionTest, CalibrationsMayBeFiles) {
+TEST_F(BagProcessingTest, CalibrationsMayBeFiles) {
   const PairMessages messages = recordedFrame(0);
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   bag.write("/cam0/image_rect", ros::Time(100), messages.left_image);
@@ -443,7 +443,7 @@ TEST_F(ConversionTest, CalibrationsMayBeFiles) {
   bag.close();
   options_.topics.left = "/cam0/image_rect";
   options_.topics.right = "/cam1/image_rect";
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }),
                        {"/cam0/camera_info is missing", "--left-calibration"}));
   sensor_msgs::CameraInfo right = *messages.right_info;
   right.P[3] *= 2;
@@ -452,13 +452,13 @@ TEST_F(ConversionTest, CalibrationsMayBeFiles) {
   options_.topics.left_calibration = folder_.file("left.yaml");
   options_.topics.right_calibration = folder_.file("right.yaml");
   options_.topics.camera_namespace = "stereo";
-  EXPECT_TRUE(convert(options_).isComplete());
+  EXPECT_TRUE(process(options_).isComplete());
   ASSERT_EQ(disparities(output_).size(), 1U);
   EXPECT_FLOAT_EQ(disparities(output_)[0]->T, 0.5F);
 }
 
 /// A bag without camera_info, with images of these names, and calibration files.
-class CalibratedByFiles : public ConversionTest {
+class CalibratedByFiles : public BagProcessingTest {
  protected:
   void write(const std::string& image, const cv::Mat& pixels, const std::string& encoding) {
     const PairMessages messages = recordedFrame(0);
@@ -479,24 +479,24 @@ class CalibratedByFiles : public ConversionTest {
     writeCameraYaml(options_.topics.right_calibration, toCameraCalibration(right));
   }
   std::string failure() {
-    const ConversionSummary summary = convert(options_);
+    const BagProcessingSummary summary = process(options_);
     return summary.failures.empty() ? "" : summary.failures.begin()->first;
   }
 };
 
 TEST_F(CalibratedByFiles, AreNotResumedWithAnotherCalibration) {
   write("image_rect", renderPair({96, 64}, 3, 8).left, "mono8");
-  ConversionEvents events;
+  BagProcessingEvents events;
   events.should_stop = [] { return true; };
-  convertBags(options_, forest_, events);
+  processBags(options_, forest_, events);
   sensor_msgs::CameraInfo right = *recordedFrame(0).right_info;
   right.P[3] *= 1 + 1e-9;
   writeFiles(*recordedFrame(0).left_info, right);
   options_.earlier = EarlierParts::kResume;
   EXPECT_TRUE(
-      mentions(errorText([&] { convert(options_); }), {"started with other input or options"}));
+      mentions(errorText([&] { process(options_); }), {"started with other input or options"}));
   writeFiles(*recordedFrame(0).left_info, *recordedFrame(0).right_info);
-  EXPECT_TRUE(convert(options_).was_written);
+  EXPECT_TRUE(process(options_).was_written);
 }
 
 TEST_F(CalibratedByFiles, NameTheFileThatCannotBeUsed) {
@@ -517,11 +517,11 @@ TEST_F(CalibratedByFiles, OfRectifiedImagesRectifyNothing) {
   std::ofstream(options_.topics.left_calibration)
       << "cam0=[120 0 62.5; 0 120 40.25; 0 0 1]\ncam1=[120 0 62.5; 0 120 40.25; 0 0 1]\n"
          "doffs=0\nbaseline=250\nwidth=96\nheight=64\nndisp=16\n";
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }),
                        {"calib.txt", "describes rectified images, but /cam0/image_raw",
                         "to use them as they are, use --rectified yes"}));
   options_.topics.rectified = Rectified::kYes;
-  EXPECT_TRUE(convert(options_).was_written);
+  EXPECT_TRUE(process(options_).was_written);
 }
 
 /// For rectified images with other names, image_rect_color beside them is the color source of
@@ -531,7 +531,7 @@ TEST_F(CalibratedByFiles, CloudsTakeTheColorsOfImagesThatAreNotNamedRectified) {
   options_.topics.rectified = Rectified::kYes;
   options_.outputs = {"cloud"};
   options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
-  convert(options_);
+  process(options_);
   const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
   ASSERT_EQ(clouds.size(), 1U);
   const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
@@ -539,7 +539,7 @@ TEST_F(CalibratedByFiles, CloudsTakeTheColorsOfImagesThatAreNotNamedRectified) {
   EXPECT_EQ(center[1], 100);
 }
 
-TEST_F(ConversionTest, ChoosesAmongCameras) {
+TEST_F(BagProcessingTest, ChoosesAmongCameras) {
   const PairMessages messages = recordedFrame(0);
   writeRecording(input_, 2, [&](rosbag::Bag& bag) {
     for (const std::string side : {"left", "right"}) {
@@ -550,15 +550,15 @@ TEST_F(ConversionTest, ChoosesAmongCameras) {
                 left ? messages.left_info : messages.right_info);
     }
   });
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"--namespace", "/rear", "/stereo"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"--namespace", "/rear", "/stereo"}));
   options_.topics.camera_namespace = "rear/";
-  EXPECT_EQ(convert(options_).processed, 1U);
+  EXPECT_EQ(process(options_).processed, 1U);
   EXPECT_EQ(std::get<0>(messagesOf(output_).at(0)), "/rear/disparity");
 }
 
-TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
+TEST_F(BagProcessingTest, GoesOnAfterFramesThatFail) {
   writeRecordingWithABadFrame(input_);
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_EQ(summary.failed, 1U);
   EXPECT_FALSE(summary.isComplete());
   ASSERT_EQ(summary.failures.size(), 1U);
@@ -568,7 +568,7 @@ TEST_F(ConversionTest, GoesOnAfterFramesThatFail) {
   EXPECT_EQ(bytesOf(*disparities(output_)[2]), disparityLive(recordedFrame(3)));
 }
 
-TEST_F(ConversionTest, NothingPairedIsNoSuccess) {
+TEST_F(BagProcessingTest, NothingPairedIsNoSuccess) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     for (int index = 0; index < 3; ++index) {
       PairMessages messages = recordedFrame(index);
@@ -576,7 +576,7 @@ TEST_F(ConversionTest, NothingPairedIsNoSuccess) {
       writeFrame(bag, messages);
     }
   });
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_FALSE(summary.isComplete());
   EXPECT_FALSE(summary.was_written);
   EXPECT_FALSE(fs::exists(output_));
@@ -584,32 +584,32 @@ TEST_F(ConversionTest, NothingPairedIsNoSuccess) {
   EXPECT_TRUE(mentions(summary.problems[0],
                        {"no pair", "3 left images", "--max-stamp-difference-s 0.0011"}));
   options_.plan.max_stamp_difference_s = 0.0011;
-  EXPECT_TRUE(convert(options_).isComplete());
+  EXPECT_TRUE(process(options_).isComplete());
 }
 
-TEST_F(ConversionTest, AnEmptyPartOfTheRecordingIsNoSuccess) {
+TEST_F(BagProcessingTest, AnEmptyPartOfTheRecordingIsNoSuccess) {
   writeRecording(input_, 2);
   options_.plan.start_s = 1000;
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_FALSE(summary.isComplete());
   ASSERT_EQ(summary.problems.size(), 1U);
   EXPECT_TRUE(mentions(summary.problems[0], {"/stereo/left/image_rect", "--start"}));
 }
 
-TEST_F(ConversionTest, WithoutAnyResultNoBagIsWritten) {
+TEST_F(BagProcessingTest, WithoutAnyResultNoBagIsWritten) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     PairMessages messages = recordedFrame(0);
     messages.right_info->P[3] = 0;
     writeFrame(bag, messages);
   });
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_FALSE(summary.isComplete());
   EXPECT_FALSE(fs::exists(output_));
   EXPECT_TRUE(mentions(describeSummary(summary), {"0 of 1 frames done, 1 failed", "baseline"}));
 }
 
 /// For drivers that do not set stamps. The node pairs images in order of arrival, too.
-TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
+TEST_F(BagProcessingTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     for (int index = 0; index < 3; ++index) {
       PairMessages messages = recordedFrame(index);
@@ -626,7 +626,7 @@ TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
       bag.write("/stereo/right/image_rect", time, messages.right_image);
     }
   });
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_TRUE(summary.isComplete());
   EXPECT_EQ(summary.plan.equal_stamps, 2U);
   EXPECT_TRUE(
@@ -639,7 +639,7 @@ TEST_F(ConversionTest, StampsThatRepeatArePairedInTheOrderOfTheRecording) {
 }
 
 /// A camera that was recalibrated during the recording and publishes camera_info rarely.
-TEST_F(ConversionTest, CalibrationsOfTheFutureDoNotCount) {
+TEST_F(BagProcessingTest, CalibrationsOfTheFutureDoNotCount) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     for (int index = 0; index < 10; ++index) {
       PairMessages messages = recordedFrame(index);
@@ -653,7 +653,7 @@ TEST_F(ConversionTest, CalibrationsOfTheFutureDoNotCount) {
       }
     }
   });
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_EQ(summary.plan.infos_of_other_stamps, 8U);
   const auto found = disparities(output_);
   ASSERT_EQ(found.size(), 10U);
@@ -662,19 +662,19 @@ TEST_F(ConversionTest, CalibrationsOfTheFutureDoNotCount) {
   }
 }
 
-TEST_F(ConversionTest, WarningsOfTheCalibrationAreInTheSummary) {
+TEST_F(BagProcessingTest, WarningsOfTheCalibrationAreInTheSummary) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     PairMessages messages = recordedFrame(0);
     messages.right_info->P[3] *= 1000;  // mm
     writeFrame(bag, messages);
   });
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_TRUE(summary.isComplete());
   EXPECT_TRUE(mentions(describeSummary(summary), {"warning", "baseline of 250 m", "mm"}));
   EXPECT_TRUE(mentions(summaryJson(summary), {"\"warnings\"", "baseline of 250 m"}));
 }
 
-TEST_F(ConversionTest, RowsThatAreApartAreInTheSummary) {
+TEST_F(BagProcessingTest, RowsThatAreApartAreInTheSummary) {
   writeRecording(input_, 0, [](rosbag::Bag& bag) {
     const RenderedScene scene = renderScene(320, 240, 1);
     const StereoPair pair{
@@ -682,11 +682,11 @@ TEST_F(ConversionTest, RowsThatAreApartAreInTheSummary) {
     writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100)));
   });
   options_.matching.stereo.range = {0, 48};
-  EXPECT_TRUE(mentions(describeSummary(convert(options_)),
+  EXPECT_TRUE(mentions(describeSummary(process(options_)),
                        {"warning", "px, expected at most 1.00 px", "--rectified no"}));
 }
 
-TEST_F(ConversionTest, AnOutputThatIsAnInputIsRejected) {
+TEST_F(BagProcessingTest, AnOutputThatIsAnInputIsRejected) {
   writeRecording(input_, 1);
   const std::string content = contentOf(input_);
   fs::create_symlink(input_, folder_.file("link.bag"));
@@ -698,35 +698,35 @@ TEST_F(ConversionTest, AnOutputThatIsAnInputIsRejected) {
   for (const std::string name : {"in.bag", "./in.bag", "sub/../in.bag", "link.bag", "hard.bag"}) {
     options_.output = folder_.file(name);
     EXPECT_TRUE(
-        mentions(errorText([&] { convert(options_); }), {"would overwrite the input", "in.bag"}))
+        mentions(errorText([&] { process(options_); }), {"would overwrite the input", "in.bag"}))
         << name;
   }
   options_.inputs = {folder_.file("out.bag.part.0-3")};
   options_.output = folder_.file("out.bag");
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"would overwrite the input"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"would overwrite the input"}));
   EXPECT_EQ(contentOf(input_), content);
 }
 
-TEST_F(ConversionTest, FrameIdsMayDifferUnlessThatIsRefused) {
+TEST_F(BagProcessingTest, FrameIdsMayDifferUnlessThatIsRejected) {
   writeRecording(input_, 1, [](rosbag::Bag& bag) {
     PairMessages messages = recordedFrame(1);
     messages.right_image->header.frame_id = "right_camera";
     writeFrame(bag, messages);
   });
-  EXPECT_TRUE(convert(options_).isComplete());
+  EXPECT_TRUE(process(options_).isComplete());
   ASSERT_EQ(disparities(output_).size(), 2U);
   EXPECT_EQ(disparities(output_)[1]->header.frame_id, "left_camera");
 
   options_.matching.allow_different_frame_ids = false;
-  options_.output = folder_.file("refused.bag");
-  EXPECT_FALSE(convert(options_).isComplete());
+  options_.output = folder_.file("rejected.bag");
+  EXPECT_FALSE(process(options_).isComplete());
   EXPECT_EQ(disparities(options_.output).size(), 1U);
 }
 
-TEST_F(ConversionTest, ProcessesWhatIsReadableOfATruncatedBag) {
+TEST_F(BagProcessingTest, ProcessesWhatIsReadableOfATruncatedBag) {
   writeRecording(input_, 6);
   fs::resize_file(input_, fs::file_size(input_) * 6 / 10);
-  const ConversionSummary summary = convert(options_);
+  const BagProcessingSummary summary = process(options_);
   EXPECT_GE(summary.processed, 2U);
   EXPECT_LT(summary.processed, 6U);
   EXPECT_FALSE(summary.isComplete());
@@ -734,36 +734,36 @@ TEST_F(ConversionTest, ProcessesWhatIsReadableOfATruncatedBag) {
   EXPECT_EQ(bytesOf(*disparities(output_).at(1)), disparityLive(recordedFrame(1)));
 }
 
-TEST_F(ConversionTest, StopsAndResumesWithTheSameContent) {
+TEST_F(BagProcessingTest, StopsAndResumesWithTheSameContent) {
   writeRecording(input_, 8);
-  convert(options_);
+  process(options_);
   options_.output = folder_.file("resumed.bag");
   int asked = 0;
-  ConversionEvents events;
+  BagProcessingEvents events;
   events.should_stop = [&] { return ++asked > 5; };
-  const ConversionSummary stopped = convertBags(options_, forest_, events);
+  const BagProcessingSummary stopped = processBags(options_, forest_, events);
   EXPECT_TRUE(stopped.interrupted);
   EXPECT_EQ(stopped.processed, 5U);
   EXPECT_FALSE(fs::exists(options_.output));
 
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"resumed.bag", "--resume"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"resumed.bag", "--resume"}));
   options_.earlier = EarlierParts::kResume;
   options_.matching.stereo.sgm.p2 += 1;
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }),
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }),
                        {"started with other input or options", "--overwrite"}));
   options_.matching.stereo.sgm.p2 -= 1;
-  const ConversionSummary resumed = convert(options_);
+  const BagProcessingSummary resumed = process(options_);
   EXPECT_EQ(resumed.resumed, 5U);
   EXPECT_EQ(resumed.processed, 3U);
   EXPECT_TRUE(resumed.isComplete());
   EXPECT_TRUE(messagesOf(output_) == messagesOf(options_.output));
   EXPECT_EQ(std::distance(fs::directory_iterator(fs::path(output_).parent_path()), {}), 3)
       << "parts are left";
-  EXPECT_TRUE(convert(options_).was_complete);
+  EXPECT_TRUE(process(options_).was_complete);
 }
 
 /// The offset comes from a frame that was processed before the run was stopped, or that is skipped.
-TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
+TEST_F(BagProcessingTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
   rosbag::Bag bag(input_, rosbag::bagmode::Write);
   for (int index = 0; index < 6; ++index) {
     StereoPair pair = renderPair({320, 240}, 5, 11, static_cast<std::uint64_t>(index) + 1);
@@ -773,17 +773,17 @@ TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
     writeFrame(bag, makeMessages(pair, Rig{}, ros::Time(100 + 0.3 * index)));
   }
   bag.close();
-  convert(options_);
+  process(options_);
   const std::string whole = output_;
   for (const int frames : {1, 2, 5}) {
     options_.output = folder_.file("stopped" + std::to_string(frames) + ".bag");
     options_.earlier = EarlierParts::kReject;
     int asked = 0;
-    ConversionEvents events;
+    BagProcessingEvents events;
     events.should_stop = [&] { return ++asked > frames; };
-    EXPECT_TRUE(convertBags(options_, forest_, events).interrupted);
+    EXPECT_TRUE(processBags(options_, forest_, events).interrupted);
     options_.earlier = EarlierParts::kResume;
-    convert(options_);
+    process(options_);
     EXPECT_TRUE(messagesOf(options_.output) == messagesOf(whole)) << frames;
   }
   const Content all = messagesOf(whole);
@@ -791,7 +791,7 @@ TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
     options_.output = folder_.file("begins" + std::to_string(start_s) + ".bag");
     options_.earlier = EarlierParts::kReject;
     options_.plan.start_s = start_s;
-    convert(options_);
+    process(options_);
     const Content late = messagesOf(options_.output);
     ASSERT_FALSE(late.empty());
     EXPECT_TRUE(std::equal(late.rbegin(), late.rend(), all.rbegin())) << start_s;
@@ -799,7 +799,7 @@ TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
   options_.output = folder_.file("some.bag");
   options_.plan.start_s = 0.2;
   options_.plan.every = 2;
-  convert(options_);
+  process(options_);
   const Content some = messagesOf(options_.output);
   ASSERT_EQ(some.size(), 3U);
   for (std::size_t i = 0; i < some.size(); ++i) {
@@ -809,21 +809,21 @@ TEST_F(ConversionTest, VerticalOffsetDoesNotDependOnWhereProcessingBegins) {
   options_.output = folder_.file("each.bag");
   options_.earlier = EarlierParts::kReject;
   options_.matching.stereo.rectification.interval_s = 0;
-  convert(options_);
+  process(options_);
   EXPECT_FALSE(messagesOf(options_.output) == messagesOf(whole)) << "nothing depends on offsets";
 }
 
-TEST_F(ConversionTest, RefusesToReplaceABag) {
+TEST_F(BagProcessingTest, RejectsToReplaceABag) {
   writeRecording(input_, 1);
   std::ofstream(output_) << "precious";
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"out.bag exists", "--overwrite"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"out.bag exists", "--overwrite"}));
   options_.output = folder_.file("none/out.bag");
-  EXPECT_TRUE(mentions(errorText([&] { convert(options_); }), {"folder does not exist"}));
+  EXPECT_TRUE(mentions(errorText([&] { process(options_); }), {"folder does not exist"}));
 }
 
-TEST_F(ConversionTest, SummaryIsJsonWithTheCounts) {
+TEST_F(BagProcessingTest, SummaryIsJsonWithTheCounts) {
   writeRecording(input_, 2);
-  EXPECT_TRUE(mentions(summaryJson(convert(options_)),
+  EXPECT_TRUE(mentions(summaryJson(process(options_)),
                        {"\"frames_processed\": 2", "\"complete\": true", "\"frames_failed\": 0"}));
 }
 

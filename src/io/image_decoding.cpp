@@ -1,7 +1,11 @@
-#include "io/image_size.h"
+#include "io/image_decoding.h"
 
 #include <algorithm>
 #include <array>
+
+#include "io/binary_file.h"
+
+#include "cbmv_stereo/error.h"
 
 namespace cbmv {
 namespace {
@@ -72,6 +76,26 @@ std::uint64_t claimedPixels(const std::uint8_t* data, std::size_t size) {
   }
   const bool is_jpeg = size >= 2 && data[0] == 0xff && data[1] == 0xd8;
   return is_jpeg ? jpegPixels(file) : 0;
+}
+
+cv::Mat decodeImage(const std::vector<std::uint8_t>& bytes, int flags) {
+  try {
+    return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, flags);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+cv::Mat decodeImageFile(const std::string& path, int flags) {
+  constexpr std::uintmax_t largest_file = 1U << 30;
+  const std::vector<std::uint8_t> bytes = readBytes(path, largest_file);
+  const std::uint64_t pixels = claimedPixels(bytes.data(), bytes.size());
+  if (pixels > kMaxImagePixels) {
+    throw Error("Cannot read " + path + ": its header has " + std::to_string(pixels) +
+                " pixels, expected at most " + std::to_string(kMaxImagePixels) +
+                ". Use a smaller image.");
+  }
+  return decodeImage(bytes, flags);
 }
 
 }  // namespace cbmv

@@ -16,7 +16,7 @@
 
 namespace cbmv {
 
-struct ConversionOptions {
+struct BagProcessingOptions {
   std::vector<std::string> inputs;
   std::string output;  ///< bag or folder
   /// Format of the files in the folder; not set: write a bag.
@@ -33,7 +33,7 @@ struct ConversionOptions {
 };
 
 /// Result of processing bags.
-struct ConversionSummary {
+struct BagProcessingSummary {
   FramePlan plan;
   std::size_t resumed = 0;  ///< frames done by an earlier run
   std::size_t processed = 0;
@@ -57,9 +57,9 @@ struct ConversionSummary {
 };
 
 /// Callbacks during processing. Different threads may call them, but never two at a time.
-struct ConversionEvents {
+struct BagProcessingEvents {
   /// Called before the first frame with plan and warnings.
-  std::function<void(const ConversionSummary& summary)> begin;
+  std::function<void(const BagProcessingSummary& summary)> begin;
   std::function<void(std::size_t done, std::size_t total)> progress;
   std::function<bool()> should_stop;  ///< called before each frame
 };
@@ -69,14 +69,14 @@ struct ConversionEvents {
 /// stopped and resumed. No bag is written if there is no frame to process or all frames fail.
 /// Throws Error if the input or the options are invalid, if the output is one of the inputs, or if
 /// it cannot be written.
-ConversionSummary convertBags(const ConversionOptions& options,
-                              const std::shared_ptr<const Forest>& forest,
-                              const ConversionEvents& events);
+BagProcessingSummary processBags(const BagProcessingOptions& options,
+                                 const std::shared_ptr<const Forest>& forest,
+                                 const BagProcessingEvents& events);
 
 /// One or more lines for the user.
-std::string describeSummary(const ConversionSummary& summary);
+std::string describeSummary(const BagProcessingSummary& summary);
 
 /// The same as a JSON object.
-std::string summaryJson(const ConversionSummary& summary);
+std::string summaryJson(const BagProcessingSummary& summary);
 
 }  // namespace cbmv
