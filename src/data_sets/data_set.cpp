@@ -67,7 +67,8 @@ std::string namesOf(const std::vector<DataSet>& data_sets) {
 
 DataSet DataSet::open(const std::string& kind_and_folder, Truth truth) {
   const std::size_t colon = kind_and_folder.find(':');
-  const Kind& kind = findKind(kind_and_folder.substr(0, colon), kind_and_folder);
+  const std::string kind_name = kind_and_folder.substr(0, colon);
+  const Kind& kind = findKind(kind_name, kind_and_folder);
   const std::string path = colon == std::string::npos ? "" : kind_and_folder.substr(colon + 1);
   if (path.empty()) {
     throw Error("data set " + kind_and_folder +

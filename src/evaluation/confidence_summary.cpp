@@ -36,6 +36,9 @@ std::optional<ConfidenceSummary> summarizeConfidence(const std::vector<SceneScor
   }
   ConfidenceSummary summary;
   summary.reliability = reliability(pooled);
+  summary.calibration_error = calibrationError(pooled);
+  summary.recalibration = fitRecalibration(pooled);
+  summary.recalibrated_error = calibrationError(recalibrate(pooled, summary.recalibration));
   std::transform(kMinConfidences.begin(), kMinConfidences.end(), summary.operating_points.begin(),
                  [&](double threshold) { return operatingPoint(pooled, threshold); });
   if (density) {

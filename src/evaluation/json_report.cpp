@@ -229,6 +229,9 @@ Json summaryToJson(const ConfidenceSummary& summary) {
   for (const OperatingPoint& point : summary.operating_points) {
     json["operating_points"].push_back(pointToJson(point));
   }
+  json["recalibration"] = {{"confidence_scale", summary.recalibration.scale},
+                           {"confidence_shift", summary.recalibration.shift},
+                           {"ece", numberToJson(summary.recalibrated_error)}};
   if (summary.at_density) {
     json["at_density"] = pointToJson(*summary.at_density);
     json["at_density_each_scene"] = pointToJson(*summary.at_density_each_scene);

@@ -219,6 +219,15 @@ void addRefinementParameters(ParameterTable& table) {
       "Replace improbable disparities by those of confident neighbors, where the second forest "
       "finds these more probable; needs second_forest");
   table.add(
+      "confidence_scale", "", 0.1, 10,
+      [](Options& o) -> float& { return o.refinement.confidence_scale; },
+      "Recalibrates the confidence of the second forest: multiplies its log-odds; 1: as trained");
+  table.add(
+      "confidence_shift", "", -10, 10,
+      [](Options& o) -> float& { return o.refinement.confidence_shift; },
+      "Recalibrates the confidence of the second forest: is added to its log-odds, after "
+      "confidence_scale; 0: as trained");
+  table.add(
       "speckle_size", "px", 0, 1000,
       [](Options& o) -> int& { return o.refinement.speckle_size_px; },
       "Regions of up to this many pixels become invalid; 0: off");

@@ -142,7 +142,8 @@ class StereoMatcher::Impl {
     selector_->select(
         {result.disparity, result.right_disparity, result.labels, result.confidence, result.margin,
          result.range},
-        {refinement.replace_improbable, refinement.fill_occlusions && refinement.fill_mismatches},
+        {refinement.replace_improbable, refinement.fill_occlusions && refinement.fill_mismatches,
+         refinement.confidence_scale, refinement.confidence_shift},
         {result.disparity, result.confidence, result.disparity_sigma});
   }
 

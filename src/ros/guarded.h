@@ -3,6 +3,7 @@
 #include <exception>
 #include <string>
 
+#include <nodelet/detail/callback_queue.h>
 #include <ros/console.h>
 
 namespace cbmv {
@@ -15,6 +16,15 @@ void guarded(const std::string& name, const Callback& callback) {
     callback();
   } catch (const std::exception& error) {
     ROS_ERROR_NAMED(name, "%s: %s", name.c_str(), error.what());
+  }
+}
+
+/// Lets a nodelet's callbacks run before its onInit() has returned, as nodelet 1.10.1 and later do.
+/// nodelet 1.10.0 (Debian 11) discards callbacks until then. Without this, callers of a service
+/// would wait forever, and subscribers that connect would not be noticed.
+inline void acceptCallbacks(ros::CallbackQueueInterface& queue) {
+  if (auto* of_loader = dynamic_cast<nodelet::detail::CallbackQueue*>(&queue)) {
+    of_loader->enable();
   }
 }
 

@@ -34,6 +34,7 @@ void takeFocalLengthAndBaseline(const stereo_msgs::DisparityImage& disparity,
 PointCloudNodelet::~PointCloudNodelet() { stop(); }
 
 void PointCloudNodelet::onInit() {
+  acceptCallbacks(getSTCallbackQueue());
   startNodelet(
       getName(), [this] { initialize(); }, [this] { stop(); });
 }

@@ -40,6 +40,7 @@ StereoTopics toTopics(const TopicNames& names) {
 StereoNodelet::~StereoNodelet() { stop(); }
 
 void StereoNodelet::onInit() {
+  acceptCallbacks(getSTCallbackQueue());
   startNodelet(
       getName(), [this] { initialize(); }, [this] { stop(); });
 }

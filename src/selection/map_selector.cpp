@@ -1,6 +1,8 @@
 #include "selection/map_selector.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -14,6 +16,7 @@ namespace {
 
 constexpr float kNoSigma = std::numeric_limits<float>::quiet_NaN();
 constexpr float kBytes = 255.0F;
+constexpr float kOuterByte = 0.5F;  // in place of 0 and 255, whose log-odds are infinite
 constexpr int kMedianSizePx = 3;
 
 }  // namespace
@@ -46,9 +49,10 @@ MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
   }
 }
 
-void MapSelector::select(const JudgedMaps& judged, const SelectionSwitches& switches,
+void MapSelector::select(const JudgedMaps& judged, const SelectionOptions& options,
                          const SelectedMaps& maps) {
-  const bool replaces = switches.replace && evaluator_.has_value();
+  const bool replaces = options.replace && evaluator_.has_value();
+  tabulateConfidence(options);
   confidence_.estimate(judged);
   if (forest_->confidence->hasSigma()) {
     maps.disparity_sigma.create(maps.disparity.size(), CV_32FC1);
@@ -65,12 +69,26 @@ void MapSelector::select(const JudgedMaps& judged, const SelectionSwitches& swit
   tbb::parallel_for(0, maps.disparity.rows, [&](int y) {
     fillRow(y, judged.range.invalid(), maps);
     if (replaces) {
-      selectRow(judged, y, switches.fill, maps, rows_.local());
+      selectRow(judged, y, options.fill, maps, rows_.local());
     }
   });
   if (replaces) {
     medianFilter(maps.disparity, judged.range, kMedianSizePx, median_padded_, filtered_);
     filtered_.copyTo(maps.disparity);  // no swap: others may share the memory of the map
+  }
+}
+
+/// Platt scaling of the probabilities.
+void MapSelector::tabulateConfidence(const SelectionOptions& options) {
+  const bool as_trained = options.confidence_scale == 1.0F && options.confidence_shift == 0.0F;
+  for (std::size_t byte = 0; byte < published_.size(); ++byte) {
+    const auto value = static_cast<float>(byte);
+    const float inside = std::clamp(value, kOuterByte, kBytes - kOuterByte);
+    const float log_odds = std::log(inside / (kBytes - inside));
+    published_[byte] =
+        as_trained ? value / kBytes
+                   : 1.0F / (1.0F + std::exp(-(options.confidence_scale * log_odds +
+                                               options.confidence_shift)));
   }
 }
 
@@ -80,7 +98,7 @@ void MapSelector::fillRow(int y, float invalid, const SelectedMaps& maps) const 
   const auto* disparity = maps.disparity.ptr<float>(y);
   auto* confidence = maps.confidence.ptr<float>(y);
   for (int x = 0; x < maps.disparity.cols; ++x) {
-    confidence[x] = disparity[x] == invalid ? 0.0F : static_cast<float>(bytes[x]) / kBytes;
+    confidence[x] = disparity[x] == invalid ? 0.0F : published_[bytes[x]];
   }
   if (!maps.disparity_sigma.empty()) {
     const auto* bins = confidence_.roughnessBins().ptr<std::uint8_t>(y);
@@ -205,7 +223,7 @@ void MapSelector::choose(int y, const Row& row, int block, int i, const Selected
   }
   const std::uint8_t byte =
       evaluator_->probabilityByte(row.scores[SelectionFeatures::query(best, block, i)]);
-  maps.confidence.at<float>(y, x) = static_cast<float>(byte) / kBytes;
+  maps.confidence.at<float>(y, x) = published_[byte];
   if (best != 0) {
     maps.disparity.at<float>(y, x) =
         static_cast<float>(proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);

@@ -20,10 +20,12 @@ struct SelectedMaps {
   cv::Mat& disparity_sigma;  ///< CV_32FC1; becomes empty where the forest has no model of it
 };
 
-/// What MapSelector may change.
-struct SelectionSwitches {
+/// What MapSelector may change, and how it publishes the confidence.
+struct SelectionOptions {
   bool replace = true;  ///< improbable disparities
   bool fill = true;     ///< pixels without a disparity, too
+  float confidence_scale = 1.0F;  ///< see RefinementOptions
+  float confidence_shift = 0.0F;
 };
 
 /// Last stage: replaces disparities that are probably wrong by those of confident neighbors, and
@@ -52,8 +54,7 @@ class MapSelector {
   /// `maps` are those in `judged` and share their memory. The confidence of pixels without a
   /// disparity is 0. Parallel over rows by oneTBB; the result depends
   /// neither on the instruction set nor on the number of threads nor on earlier pairs.
-  void select(const JudgedMaps& judged, const SelectionSwitches& switches,
-              const SelectedMaps& maps);
+  void select(const JudgedMaps& judged, const SelectionOptions& options, const SelectedMaps& maps);
 
  private:
   /// Memory for a row: some blocks of pixels that are judged at once.
@@ -66,6 +67,7 @@ class MapSelector {
     alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
   };
 
+  void tabulateConfidence(const SelectionOptions& options);
   void fillRow(int y, float invalid, const SelectedMaps& maps) const;
   void selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps, Row& row);
   bool canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
@@ -85,6 +87,7 @@ class MapSelector {
   ConfidencePlanes planes_;
   cv::Mat median_padded_;
   cv::Mat filtered_;
+  std::array<float, 256> published_{};  ///< confidence of each probability in 1/255
   PerThread<Row> rows_;
 };
 

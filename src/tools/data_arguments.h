@@ -77,10 +77,12 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
       ->check(wholeNumber(1))
       ->capture_default_str();
   app.add_option("--max-samples", options.max_samples,
-                 "Maximum number of samples from all scenes; limits the memory (about 90 bytes per "
-                 "sample, random forest 1800)")
-      ->check(wholeNumber(1, 1000000000000))
-      ->capture_default_str();
+                 "Maximum number of samples from all scenes, default " +
+                     std::to_string(TrainingOptions::defaultMaxSamples(ForestKind::kOblivious)) +
+                     ", of a random forest " +
+                     std::to_string(TrainingOptions::defaultMaxSamples(ForestKind::kRandomForest)) +
+                     "; limits the memory (about 90 bytes per sample, random forest 1800)")
+      ->check(wholeNumber(1, 1000000000000));
   options.search.levels = 3;  // as in the presets
   app.add_option("--search-levels", options.search.levels,
                  "Levels of the coarse-to-fine search that the forest is trained for; 0: "

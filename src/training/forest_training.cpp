@@ -180,14 +180,14 @@ std::string describe(const TrainingOptions& options) {
          << ", windowed share " << options.windowed_share;
   }
   text << ", pixels per scene " << options.pixels_per_scene << ", samples at most "
-       << options.max_samples << ", rectification refinement "
+       << options.maxSamples() << ", rectification refinement "
        << (options.rectification.enabled ? "on" : "off");
   return text.str();
 }
 
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options) {
   const std::size_t least = kSamplesPerPixel * (options.search.levels + 1) * scenes;
-  const long share = options.max_samples / static_cast<long>(least);
+  const long share = options.maxSamples() / static_cast<long>(least);
   requireForTraining(share > 0, "the samples must be at least " + std::to_string(least) + " for " +
                                     std::to_string(options.search.levels + 1) + " levels of " +
                                     std::to_string(scenes) + " scenes");

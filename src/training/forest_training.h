@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,7 @@ enum class ForestKind {
 struct SecondForestOptions {
   bool enabled = true;            ///< of oblivious forests only
   int groups = 2;                 ///< of the cross-fitting
-  long pixels_per_scene = 40000;  ///< at most, for each preset and each of both forests
+  long pixels_per_scene = 120000;  ///< at most, for each preset and each of both forests
   BoostingOptions confidence{64, 6, 0.15};
   /// Regularized more: proposals of one scene are much alike, and what is learnt of them has to
   /// hold in other scenes.
@@ -37,8 +38,8 @@ struct TrainingOptions {
   ForestKind kind = ForestKind::kOblivious;
   long pixels_per_scene = 100000;  ///< at most, of each level; each gives up to three samples
   /// At most, over all scenes, each of which gets the same share: bounds the memory. Of the second
-  /// forest: pixels, each of which gives up to five samples.
-  long max_samples = 3000000;
+  /// forest: pixels, each of which gives up to five samples. Not given: the default of the kind.
+  std::optional<long> max_samples;
   /// The search that the forest is made for: samples come from all of its levels. 0 levels: from
   /// the full size and the whole range alone.
   SearchOptions search;
@@ -50,6 +51,12 @@ struct TrainingOptions {
   BoostingOptions boosting;            ///< of oblivious trees
   RandomForestOptions random_forest;   ///< of a random forest
   SecondForestOptions second;
+
+  /// A sample of a random forest takes 20 times the memory.
+  static constexpr long defaultMaxSamples(ForestKind kind) {
+    return kind == ForestKind::kOblivious ? 6000000 : 3000000;
+  }
+  long maxSamples() const { return max_samples.value_or(defaultMaxSamples(kind)); }
 };
 
 /// "trees 64, depth 6, …": all options but the seed, for people.
@@ -70,7 +77,7 @@ using TrainingProgress = std::function<void(const TrainingStep&)>;
 using TrainingReport = std::function<void(const std::string&)>;
 
 /// Pixels that are drawn from each level of each of so many scenes: options.pixels_per_scene, or
-/// less so that no more than options.max_samples come together. Throws Error when that leaves none.
+/// less so that no more than options.maxSamples() come together. Throws Error when that leaves none.
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options);
 
 /// Draws the samples that a forest is trained on and measured with, from the pixels of these scenes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -22,6 +23,9 @@ namespace {
 constexpr double kOneSigmaShare = 0.6827;
 constexpr std::size_t kFewestErrors = 200;  ///< of a bin that has a standard deviation of its own
 constexpr double kLowestSigmaPx = 0.01;
+/// Sparse truth (laser scans: a fifth of the pixels) has few pixels at the depth edges where
+/// disparities are replaced. What is learnt from it replaces too many.
+constexpr double kLeastTruth = 0.5;
 
 bool startsWith(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
@@ -94,7 +98,7 @@ class SecondForestTrainer {
     group_of_ = crossFittingGroups(names, options.second.groups);
     groups_ = names.empty() ? 0 : 1 + *std::max_element(group_of_.begin(), group_of_.end());
     const auto maps = static_cast<long>(scenes.size() * options.second.matching.size());
-    pixels_ = std::min(options.second.pixels_per_scene, options.max_samples / std::max(maps, 1L));
+    pixels_ = std::min(options.second.pixels_per_scene, options.maxSamples() / std::max(maps, 1L));
   }
 
   void train(Forest& forest) {
@@ -114,6 +118,13 @@ class SecondForestTrainer {
     ConfidenceForest confidence = grow("confidence forest", samples, options_.second.confidence);
     fitSigma(*crossed, samples, confidence);
     forest.confidence = std::make_shared<const ConfidenceForest>(std::move(confidence));
+    if (truthDensity() < kLeastTruth) {
+      report("no selection forest: the truth covers " +
+             std::to_string(std::lround(100.0 * truthDensity())) + " % of the pixels, expected " +
+             std::to_string(std::lround(100.0 * kLeastTruth)) +
+             " %. Disparities will not be replaced");
+      return;
+    }
     const ConfidenceSamples proposals = selectionSamples(*crossed);
     if (hasBothClasses(proposals)) {
       forest.selection = std::make_shared<const ConfidenceForest>(
@@ -165,6 +176,18 @@ class SecondForestTrainer {
       judged_.push_back(
           {{matcher.match(scene.left, scene.right), scene.truth}, group, options_.seed + i});
     }
+  }
+
+  /// Share of the pixels of all scenes whose truth is known.
+  double truthDensity() const {
+    double known = 0.0;
+    double pixels = 0.0;
+    for (const Judged& judged : judged_) {
+      const cv::Mat& truth = judged.scene.truth;
+      known += cv::countNonZero(cv::abs(truth) < std::numeric_limits<float>::infinity());
+      pixels += static_cast<double>(truth.total());
+    }
+    return known / pixels;
   }
 
   /// Of all scenes but those of `left_out`.

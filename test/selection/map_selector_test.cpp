@@ -127,12 +127,12 @@ std::shared_ptr<const Forest> makeSelecting() {
 }
 
 /// Called as in the matcher: the input maps are modified.
-Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
+Maps select(MapSelector& selector, const RandomMaps& maps, const SelectionOptions& options) {
   RandomMaps copy = maps;
   Maps selected{maps.disparity.clone(), maps.probability.clone(), cv::Mat()};
   copy.disparity = selected.disparity;
   copy.probability = selected.confidence;
-  selector.select(copy.judged(), {true, fill},
+  selector.select(copy.judged(), options,
                   {selected.disparity, selected.confidence, selected.sigma});
   return selected;
 }
@@ -152,6 +152,10 @@ void expectSame(const Maps& found, const Maps& expected) {
           << sigma << " instead of " << naive << " at y " << y << " x " << x;
     }
   }
+}
+
+Maps select(MapSelector& selector, const RandomMaps& maps, bool fill) {
+  return select(selector, maps, SelectionOptions{true, fill});
 }
 
 int countNan(const cv::Mat& map) {
@@ -245,6 +249,20 @@ TEST(MapSelector, KeepsThinObjectsOnWhichBothViewsAgree) {
   EXPECT_EQ(replacedPolePixels(kMatch, 30), 0);
   EXPECT_EQ(replacedPolePixels(kMismatch, 30), 3 * 40);
   EXPECT_EQ(replacedPolePixels(kMatch, 5), 3 * 40);  // the proposals are nearer
+}
+
+TEST(MapSelector, RecalibratesTheConfidenceAlone) {
+  MapSelector selector(makeSelecting());
+  const RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 47);
+  const Maps trained = select(selector, maps, SelectionOptions{true, false});
+  const Maps found = select(selector, maps, SelectionOptions{true, false, 1.5F, 2.0F});
+  expectMap<float>(found.confidence, maps.disparity.size(), [&](int y, int x) {
+    const double p = std::clamp(trained.confidence.at<float>(y, x) * 255.0, 0.5, 254.5) / 255.0;
+    const bool has_disparity = trained.disparity.at<float>(y, x) != maps.range.invalid();
+    return has_disparity ? 1.0 / (1.0 + std::exp(-(1.5 * std::log(p / (1.0 - p)) + 2.0))) : 0.0;
+  }, 1e-5);
+  EXPECT_EQ(cv::countNonZero(found.disparity != trained.disparity), 0);
+  EXPECT_EQ(countNan(found.sigma), countNan(trained.sigma));
 }
 
 TEST(MapSelector, FillsOnlyWhenAsked) {

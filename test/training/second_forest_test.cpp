@@ -159,6 +159,18 @@ TEST_F(SecondForest, LearnsTheDeviationOfInliers) {
   EXPECT_THAT(forest.confidence->sigma_px, Each(Le(1.0)));
 }
 
+TEST_F(SecondForest, LearnsNoSelectionFromSparseTruth) {
+  for (int s = 0; s < 3; ++s) {
+    RenderedScene scene = renderScene(120, 90, s);
+    scene.truth.colRange(0, 80).setTo(std::numeric_limits<float>::infinity());
+    writeScene(folder_.file("S" + std::to_string(s)), scene);
+  }
+  const Forest forest = train();
+  EXPECT_NE(forest.confidence, nullptr);
+  EXPECT_EQ(forest.selection, nullptr);
+  EXPECT_THAT(lines_, Contains(HasSubstr("the truth covers 33 % of the pixels, expected 50 %")));
+}
+
 /// A wall of noise, where every disparity with known truth is correct.
 RenderedScene makeWall(std::uint32_t seed) {
   constexpr int kDisparity = 5;
