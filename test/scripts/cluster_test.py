@@ -173,8 +173,8 @@ class ClusterTest(unittest.TestCase):
         self.assertIn("DUE TO JOB REQUEUE", self.log(2))
         self.assertIn("restart 1 of 3", self.log(3))
         for number in (1, 2, 3):
-            self.assertIn("of them earlier", self.log(number))
-        self.assertNotIn("of them earlier", self.log(4))
+            self.assertIn("processed earlier", self.log(number))
+        self.assertNotIn("processed earlier", self.log(4))
 
     def test_a_shard_that_is_deleted_is_done_again(self):
         self.submit()
