@@ -46,7 +46,8 @@ struct SurfaceOptions {
 };
 
 /// Semi-global matching (SGM). Costs are in [0, 1]. Penalties have the same unit. Defaults: the
-/// authors' Middlebury settings but for p2 (theirs: 10), which was chosen on Middlebury 2005 and 2006.
+/// authors' Middlebury settings but for p2 (theirs: 10), which was chosen on Middlebury 2005 and
+/// 2006.
 struct SgmOptions {
   float p1 = 1.3F;      ///< pi1: penalty of a disparity change of 1 px
   float p2 = 7.0F;      ///< pi2: penalty of a larger disparity change
@@ -71,12 +72,12 @@ struct RefinementOptions {
   float bilateral_threshold_px = 1.3F;        ///< blur_t, px of disparity
   bool second_forest = true;  ///< calibrated confidence, if the forest file has a second forest
   bool replace_improbable = true;  ///< use disparities of confident neighbors; needs second_forest
-  /// Recalibration of the second forest's confidence: its log-odds are multiplied by the scale, then
-  /// the shift is added. It changes no disparity.
+  /// Recalibration of the second forest's confidence: its log-odds are multiplied by the scale,
+  /// then the shift is added. It changes no disparity.
   float confidence_scale = 1.0F;
   float confidence_shift = 0.0F;
-  int speckle_size_px = 0;         ///< pixels; regions of at most this size become invalid; 0: off
-  int speckle_range_px = 4;        ///< px of disparity; a larger difference separates regions
+  int speckle_size_px = 0;   ///< pixels; regions of at most this size become invalid; 0: off
+  int speckle_range_px = 4;  ///< px of disparity; a larger difference separates regions
 };
 
 /// All options of the method. parameters.h lists each field with its name, unit, range and

@@ -18,9 +18,9 @@ inline constexpr std::array<double, 5> kMinConfidences = {0.0, 0.3, 0.5, 0.7, 0.
 struct ConfidenceSummary {
   std::array<CalibrationBin, kCalibrationBins> reliability;
   std::array<OperatingPoint, kMinConfidences.size()> operating_points;  ///< at kMinConfidences
-  double calibration_error = 0.0;  ///< of the pixels of all scenes
-  Recalibration recalibration;     ///< fitted to these pixels
-  double recalibrated_error = 0.0;  ///< calibration error with it, on the same pixels
+  double calibration_error = 0.0;            ///< of the pixels of all scenes
+  Recalibration recalibration;               ///< fitted to these pixels
+  double recalibrated_error = 0.0;           ///< calibration error with it, on the same pixels
   std::optional<OperatingPoint> at_density;  ///< with one threshold for all scenes
   /// Mean over the scenes, each with its own threshold; min_confidence is NaN.
   std::optional<OperatingPoint> at_density_each_scene;

@@ -167,16 +167,15 @@ std::string operatingTables(const EvaluationReport& report, const Text& text) {
 
 /// What would calibrate the confidence of these scenes; empty if it is unknown.
 std::string recalibrationNote(const EvaluationReport& report) {
-  const auto all =
-      summarizeConfidence(report.scenes, &SceneScore::all_sums, false, report.density);
+  const auto all = summarizeConfidence(report.scenes, &SceneScore::all_sums, false, report.density);
   if (!all) {
     return "";
   }
   return "Recalibration for " + shortNumber(report.scoring.correct_px * report.scoring.scale) +
          " px, pixels of all scenes: ece " + fixed(all->calibration_error, 3) +
          ", and with log-odds * " + fixed(all->recalibration.scale, 2) + " + " +
-         fixed(all->recalibration.shift, 2) + " (confidence_scale, confidence_shift): " +
-         fixed(all->recalibrated_error, 3) + "\n";
+         fixed(all->recalibration.shift, 2) +
+         " (confidence_scale, confidence_shift): " + fixed(all->recalibrated_error, 3) + "\n";
 }
 
 std::string csvField(const std::string& text) {
@@ -282,9 +281,11 @@ void writeMarkdownReport(const EvaluationReport& report, const std::string& path
   replaceFile(path, "Non-occluded pixels" + note +
                         markdownTable(tableOf(report, &SceneScore::noc)) + "\nAll pixels" + note +
                         markdownTable(tableOf(report, &SceneScore::all)) +
-                        operatingTables(report, [](const std::string& title, const Table& table) {
-                          return "\n" + title + ":\n\n" + markdownTable(table);
-                        }) + "\n" + recalibrationNote(report));
+                        operatingTables(report,
+                                        [](const std::string& title, const Table& table) {
+                                          return "\n" + title + ":\n\n" + markdownTable(table);
+                                        }) +
+                        "\n" + recalibrationNote(report));
 }
 
 std::string formatReport(const EvaluationReport& report) {
@@ -292,9 +293,11 @@ std::string formatReport(const EvaluationReport& report) {
   const std::string note = " " + correctNote(report) + "\n";
   return "non-occluded pixels" + note + aligned(tableOf(report, &SceneScore::noc)) +
          "\nall pixels" + note + aligned(tableOf(report, &SceneScore::all)) +
-         operatingTables(report, [&](const std::string& title, const Table& table) {
-           return "\n" + title + "\n" + aligned(table);
-         }) + "\n" + recalibrationNote(report);
+         operatingTables(report,
+                         [&](const std::string& title, const Table& table) {
+                           return "\n" + title + "\n" + aligned(table);
+                         }) +
+         "\n" + recalibrationNote(report);
 }
 
 }  // namespace cbmv

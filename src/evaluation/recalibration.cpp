@@ -79,8 +79,8 @@ ConfidenceProfile recalibrate(const ConfidenceProfile& profile, const Recalibrat
       continue;
     }
     const double p = probability(map, logOdds(bin));
-    Bin& target = result.bins[std::min(static_cast<std::size_t>(p * kConfidenceBins),
-                                       kConfidenceBins - 1)];
+    Bin& target =
+        result.bins[std::min(static_cast<std::size_t>(p * kConfidenceBins), kConfidenceBins - 1)];
     target.pixels += bin.pixels;
     target.confidence += bin.pixels * p;
     target.wrong += bin.wrong;

@@ -4,8 +4,8 @@
 
 namespace cbmv {
 
-/// Maps confidences by their log-odds to scale · log-odds + shift (Platt 1999). The values are those
-/// of the parameters confidence_scale and confidence_shift.
+/// Maps confidences by their log-odds to scale · log-odds + shift (Platt 1999). The values are
+/// those of the parameters confidence_scale and confidence_shift.
 struct Recalibration {
   double scale = 1.0;
   double shift = 0.0;

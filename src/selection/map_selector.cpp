@@ -85,10 +85,9 @@ void MapSelector::tabulateConfidence(const SelectionOptions& options) {
     const auto value = static_cast<float>(byte);
     const float inside = std::clamp(value, kOuterByte, kBytes - kOuterByte);
     const float log_odds = std::log(inside / (kBytes - inside));
-    published_[byte] =
-        as_trained ? value / kBytes
-                   : 1.0F / (1.0F + std::exp(-(options.confidence_scale * log_odds +
-                                               options.confidence_shift)));
+    published_[byte] = as_trained ? value / kBytes
+                                  : 1.0F / (1.0F + std::exp(-(options.confidence_scale * log_odds +
+                                                              options.confidence_shift)));
   }
 }
 

@@ -22,8 +22,8 @@ struct SelectedMaps {
 
 /// What MapSelector may change, and how it publishes the confidence.
 struct SelectionOptions {
-  bool replace = true;  ///< improbable disparities
-  bool fill = true;     ///< pixels without a disparity, too
+  bool replace = true;            ///< improbable disparities
+  bool fill = true;               ///< pixels without a disparity, too
   float confidence_scale = 1.0F;  ///< see RefinementOptions
   float confidence_shift = 0.0F;
 };

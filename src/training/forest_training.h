@@ -24,8 +24,8 @@ enum class ForestKind {
 
 /// The second forest: see second_forest.h.
 struct SecondForestOptions {
-  bool enabled = true;            ///< of oblivious forests only
-  int groups = 2;                 ///< of the cross-fitting
+  bool enabled = true;             ///< of oblivious forests only
+  int groups = 2;                  ///< of the cross-fitting
   long pixels_per_scene = 120000;  ///< at most, for each preset and each of both forests
   BoostingOptions confidence{64, 6, 0.15};
   /// Regularized more: proposals of one scene are much alike, and what is learnt of them has to
@@ -77,7 +77,8 @@ using TrainingProgress = std::function<void(const TrainingStep&)>;
 using TrainingReport = std::function<void(const std::string&)>;
 
 /// Pixels that are drawn from each level of each of so many scenes: options.pixels_per_scene, or
-/// less so that no more than options.maxSamples() come together. Throws Error when that leaves none.
+/// less so that no more than options.maxSamples() come together. Throws Error when that leaves
+/// none.
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options);
 
 /// Draws the samples that a forest is trained on and measured with, from the pixels of these scenes

@@ -22,8 +22,8 @@ std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int g
 /// selection forest learns in the same way from confidences of forests that did not see the scene.
 /// The model of the standard deviation is fitted to these, too. Reports and leaves the forest as it
 /// is where there are not two groups, or no samples of both classes without one of them. Trains no
-/// selection forest where the truth covers less than half of the pixels. Holds the maps of all scenes
-/// in memory, 19 bytes a pixel and preset, and the samples of so many pixels as
+/// selection forest where the truth covers less than half of the pixels. Holds the maps of all
+/// scenes in memory, 19 bytes a pixel and preset, and the samples of so many pixels as
 /// options.second.pixels_per_scene and options.maxSamples() allow.
 void trainSecondForest(const std::vector<SceneReference>& scenes, const TrainingOptions& options,
                        const TrainingProgress& progress, Forest& forest);

@@ -17,8 +17,8 @@ ConfidenceProfile makeProfile(const Correct& correct) {
     const double wrong = 1.0 - correct(confidence);
     profile.bins.push_back({1.0, confidence, wrong, wrong, wrong / 2});
     profile.pixels += 1.0;
-    profile.squared_error += wrong * confidence * confidence +
-                             (1.0 - wrong) * (1.0 - confidence) * (1.0 - confidence);
+    profile.squared_error +=
+        wrong * confidence * confidence + (1.0 - wrong) * (1.0 - confidence) * (1.0 - confidence);
   }
   return profile;
 }
@@ -28,9 +28,12 @@ double mapped(double confidence, double scale, double shift) {
 }
 
 TEST(Recalibration, FindsTheMapThatTheErrorsFollow) {
-  for (const auto& [scale, shift] : {std::pair(1.0, 0.0), std::pair(1.3, 2.5), std::pair(0.4, -1.0)}) {
-    const ConfidenceProfile profile = makeProfile(
-        [scale = scale, shift = shift](double confidence) { return mapped(confidence, scale, shift); });
+  for (const auto& [scale, shift] :
+       {std::pair(1.0, 0.0), std::pair(1.3, 2.5), std::pair(0.4, -1.0)}) {
+    const ConfidenceProfile profile =
+        makeProfile([scale = scale, shift = shift](double confidence) {
+          return mapped(confidence, scale, shift);
+        });
     const Recalibration map = fitRecalibration(profile);
     EXPECT_NEAR(map.scale, scale, 1e-6);
     EXPECT_NEAR(map.shift, shift, 1e-6);

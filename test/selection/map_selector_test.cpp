@@ -256,11 +256,14 @@ TEST(MapSelector, RecalibratesTheConfidenceAlone) {
   const RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 47);
   const Maps trained = select(selector, maps, SelectionOptions{true, false});
   const Maps found = select(selector, maps, SelectionOptions{true, false, 1.5F, 2.0F});
-  expectMap<float>(found.confidence, maps.disparity.size(), [&](int y, int x) {
-    const double p = std::clamp(trained.confidence.at<float>(y, x) * 255.0, 0.5, 254.5) / 255.0;
-    const bool has_disparity = trained.disparity.at<float>(y, x) != maps.range.invalid();
-    return has_disparity ? 1.0 / (1.0 + std::exp(-(1.5 * std::log(p / (1.0 - p)) + 2.0))) : 0.0;
-  }, 1e-5);
+  expectMap<float>(
+      found.confidence, maps.disparity.size(),
+      [&](int y, int x) {
+        const double p = std::clamp(trained.confidence.at<float>(y, x) * 255.0, 0.5, 254.5) / 255.0;
+        const bool has_disparity = trained.disparity.at<float>(y, x) != maps.range.invalid();
+        return has_disparity ? 1.0 / (1.0 + std::exp(-(1.5 * std::log(p / (1.0 - p)) + 2.0))) : 0.0;
+      },
+      1e-5);
   EXPECT_EQ(cv::countNonZero(found.disparity != trained.disparity), 0);
   EXPECT_EQ(countNan(found.sigma), countNan(trained.sigma));
 }
