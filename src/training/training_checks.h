@@ -37,8 +37,10 @@ inline void requireBothClasses(const SampleLabels& samples) {
                      "correct and wrong samples are both needed, but there are " +
                          std::to_string(counts[1]) + " and " + std::to_string(counts[0]) +
                          " to train on");
-  requireForTraining(counts[0] + counts[1] < samples.count(),
-                     "no sample is held out. Use scenes with at least ten rows");
+  requireForTraining(
+      counts[0] + counts[1] < samples.count(),
+      "no sample is held out, expected some in a tenth of the rows of each scene. Use "
+      "more scenes, or scenes whose truth covers more rows");
 }
 
 /// The parts of each in their sum.
