@@ -89,6 +89,10 @@ inline void addTrainingOptions(CLI::App& app, TrainingOptions& options) {
                  "exhaustive search only")
       ->check(wholeNumber(0, 8))
       ->capture_default_str();
+  app.add_option("--search-margin", options.search.margin_px,
+                 "Search margin of the presets that the forest is trained for (px)")
+      ->check(wholeNumber(0, 16))
+      ->capture_default_str();
   app.add_option("--windowed-share", options.windowed_share,
                  "Fraction of the pixels (0 to 1) whose competing hypotheses are limited to the "
                  "search windows; the others use the whole range")

@@ -273,6 +273,7 @@ TEST(SemiGlobalMatching, RejectsImpossibleOptions) {
 
 TEST(SgmCostBound, AddsP2PerRun) {
   SgmOptions options;
+  options.p2 = 10.0F;
   EXPECT_EQ(sgmCostBound(options), 255 + 2 * 2550);
   options.iterations = 0;
   EXPECT_EQ(sgmCostBound(options), 255);

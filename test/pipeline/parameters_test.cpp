@@ -95,6 +95,7 @@ TEST(CorrectOptions, LeavesDefaultsAlone) {
 TEST(CorrectOptions, MendsAndSaysSo) {
   StereoOptions options;
   options.sgm.p1 = 12;
+  options.sgm.p2 = 10;
   options.refinement.median_size_px = 4;
   const std::vector<std::string> corrections = correctOptions(options);
   ASSERT_EQ(corrections.size(), 2U);

@@ -183,7 +183,7 @@ TEST(StereoMatcher, EverySettingHasAnEffect) {
       {"cbca_arm_length", 3},
       {"cbca_intensity_threshold", 0.8},
       {"cbca_iterations_before", 0},
-      {"cbca_iterations_after", 3},
+      {"cbca_iterations_after", 4},
       {"surface_prior", false},
       {"surface_reach", 4.0},
       {"P1", 0.4},
