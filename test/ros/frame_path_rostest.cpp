@@ -14,6 +14,7 @@
 #include "io/image_file.h"
 #include "io/pfm.h"
 #include "ros/collector.h"
+#include "ros/nodelet_manager.h"
 #include "ros/raw_rig.h"
 #include "ros/rostest_main.h"
 #include "ros/stereo_pair.h"
@@ -98,6 +99,7 @@ class FramePath : public testing::Test {
   static void TearDownTestSuite() { delete live_; }
 
   static LiveFrame receive() {
+    EXPECT_TRUE(waitForNodelets(7));
     ros::NodeHandle nh("/robot");
     RawCameras cameras("/robot", "left", "right");
     Collector<stereo_msgs::DisparityImage> disparity;

@@ -7,10 +7,10 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
-#include <nodelet/NodeletList.h>
 
 #include "ros/cameras.h"
 #include "ros/collector.h"
+#include "ros/nodelet_manager.h"
 #include "ros/rostest_main.h"
 #include "ros/wait_for.h"
 
@@ -37,13 +37,6 @@ void setRange(const std::string& node) {
   ASSERT_TRUE(ros::service::call(node + "/set_parameters", call));
 }
 
-/// Whether the manager has loaded all nodelets. Until then, nodelet 1.10.0 (Debian 11) discards
-/// calls of the services of stereo_image_proc.
-bool allAreLoaded() {
-  nodelet::NodeletList list;
-  return ros::service::call("/manager/list", list) && list.response.nodelets.size() == 4;
-}
-
 /// Types of the topics that are published below a namespace, by relative name.
 std::map<std::string, std::string> topicsOf(const std::string& name_space) {
   ros::master::V_TopicInfo all;
@@ -67,8 +60,7 @@ cv::Mat valuesOf(const stereo_msgs::DisparityImage& message) {
 class Parity : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    ASSERT_TRUE(ros::service::waitForService("/manager/list", 20000));
-    ASSERT_TRUE(waitFor(allAreLoaded));
+    ASSERT_TRUE(waitForNodelets(4));
     setRange("/stock/disparity");
     setRange("/ours/disparity");
   }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "ros/collector.h"
+#include "ros/nodelet_manager.h"
 #include "ros/raw_rig.h"
 #include "ros/rostest_main.h"
 #include "ros/stereo_pair.h"
@@ -93,7 +94,12 @@ bool publishUntil(RawCameras& cameras, const StereoPair& pair, MakeMessages make
       30);
 }
 
-TEST(Replacement, TakesLensDistortionOff) {
+class Replacement : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { ASSERT_TRUE(waitForNodelets(7)); }
+};
+
+TEST_F(Replacement, TakesLensDistortionOff) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
@@ -107,7 +113,7 @@ TEST(Replacement, TakesLensDistortionOff) {
   EXPECT_GT(rightShare(values, pair.disparity), 0.97);
 }
 
-TEST(Replacement, LeavesOutImprobableDisparities) {
+TEST_F(Replacement, LeavesOutImprobableDisparities) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
@@ -129,7 +135,7 @@ TEST(Replacement, LeavesOutImprobableDisparities) {
   EXPECT_LT(cv::countNonZero(left_out), values.total() / 2);
 }
 
-TEST(Replacement, MakesTheStockTopicsOfRawImages) {
+TEST_F(Replacement, MakesTheStockTopicsOfRawImages) {
   ros::NodeHandle nh("/robot");
   RawCameras cameras("/robot", "port", "starboard");
   Collector<stereo_msgs::DisparityImage> disparity;
@@ -158,7 +164,7 @@ TEST(Replacement, MakesTheStockTopicsOfRawImages) {
   EXPECT_GT(point[18], point[16] + 10) << "the cloud is not red";
 }
 
-TEST(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
+TEST_F(Replacement, HasTheTopicsAndNodesOfTheStockLaunchFile) {
   const auto has_topic = [](const std::string& name, const std::string& type) {
     return waitFor([&] {
       ros::master::V_TopicInfo topics;
