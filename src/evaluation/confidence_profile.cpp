@@ -14,26 +14,11 @@ using Bin = ConfidenceProfile::Bin;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kBinsPerCalibrationBin = kConfidenceBins / kCalibrationBins;
 
-std::size_t binOf(float confidence) {
-  constexpr double kTolerance = 1e-4;  // bins; 0.7 as a float is below 0.7
-  const auto bin =
-      static_cast<std::size_t>(static_cast<double>(confidence) * kConfidenceBins + kTolerance);
-  return std::min(bin, kConfidenceBins - 1);
-}
-
-void addBin(const Bin& bin, double share, Bin& sum) {
-  sum.pixels += share * bin.pixels;
-  sum.confidence += share * bin.confidence;
-  sum.wrong += share * bin.wrong;
-  sum.bad_1 += share * bin.bad_1;
-  sum.bad_3 += share * bin.bad_3;
-}
-
 /// The ten bins of the reliability diagram.
 std::array<Bin, kCalibrationBins> wideBins(const ConfidenceProfile& profile) {
   std::array<Bin, kCalibrationBins> wide{};
   for (std::size_t b = 0; b < profile.bins.size(); ++b) {
-    addBin(profile.bins[b], 1.0, wide[b / kBinsPerCalibrationBin]);
+    wide[b / kBinsPerCalibrationBin].add(profile.bins[b], 1.0);
   }
   return wide;
 }
@@ -44,6 +29,20 @@ OperatingPoint pointOf(double min_confidence, const Bin& kept, double pixels) {
 }
 
 }  // namespace
+
+void ConfidenceProfile::Bin::add(const Bin& bin, double share) {
+  pixels += share * bin.pixels;
+  confidence += share * bin.confidence;
+  wrong += share * bin.wrong;
+  bad_1 += share * bin.bad_1;
+  bad_3 += share * bin.bad_3;
+}
+
+std::size_t confidenceBin(double confidence) {
+  constexpr double kTolerance = 1e-4;  // bins; 0.7 as a float is below 0.7
+  const auto bin = static_cast<std::size_t>(confidence * kConfidenceBins + kTolerance);
+  return std::min(bin, kConfidenceBins - 1);
+}
 
 ConfidenceProfile profileConfidence(const cv::Mat& disparity, const cv::Mat& confidence,
                                     const cv::Mat& truth, const cv::Mat& mask, float invalid,
@@ -66,8 +65,8 @@ ConfidenceProfile profileConfidence(const cv::Mat& disparity, const cv::Mat& con
     }
     const float error = std::abs(d - truth.at<float>(y, x));
     const double correct = error > correct_px ? 0.0 : 1.0;
-    addBin({1.0, c, 1.0 - correct, error > 1.0F ? 1.0 : 0.0, error > 3.0F ? 1.0 : 0.0}, 1.0,
-           profile.bins[binOf(c)]);
+    profile.bins[confidenceBin(c)].add(
+        {1.0, c, 1.0 - correct, error > 1.0F ? 1.0 : 0.0, error > 3.0F ? 1.0 : 0.0}, 1.0);
     profile.squared_error += (c - correct) * (c - correct);
   });
   if (!is_probability) {
@@ -87,7 +86,7 @@ void addProfile(const ConfidenceProfile& scene, double weight, ConfidenceProfile
   sum.bins.resize(kConfidenceBins);
   sum.squared_error += share * scene.squared_error;
   for (std::size_t b = 0; b < kConfidenceBins; ++b) {
-    addBin(scene.bins[b], share, sum.bins[b]);
+    sum.bins[b].add(scene.bins[b], share);
   }
 }
 
@@ -123,7 +122,7 @@ OperatingPoint operatingPoint(const ConfidenceProfile& profile, double min_confi
   const double begin = std::round(1e6 * min_confidence * kConfidenceBins) / 1e6;  // in bins
   Bin kept;
   for (std::size_t b = 0; b < kConfidenceBins; ++b) {
-    addBin(profile.bins[b], std::clamp(static_cast<double>(b) + 1.0 - begin, 0.0, 1.0), kept);
+    kept.add(profile.bins[b], std::clamp(static_cast<double>(b) + 1.0 - begin, 0.0, 1.0));
   }
   return pointOf(min_confidence, kept, profile.pixels);
 }
@@ -137,11 +136,11 @@ OperatingPoint atDensity(const ConfidenceProfile& profile, double percent) {
   double begin = kConfidenceBins;
   for (auto bin = profile.bins.rbegin(); bin != profile.bins.rend() && missing > 0.0; ++bin) {
     const double share = bin->pixels > missing ? missing / bin->pixels : 1.0;
-    addBin(*bin, share, kept);
+    kept.add(*bin, share);
     missing -= share * bin->pixels;
     begin -= share;
   }
-  addBin({missing, 0.0, missing, missing, missing}, 1.0, kept);
+  kept.add({missing, 0.0, missing, missing, missing}, 1.0);
   return pointOf(std::max(begin, 0.0) / kConfidenceBins, kept, profile.pixels);
 }
 

@@ -21,11 +21,16 @@ struct ConfidenceProfile {
     double wrong = 0.0;       ///< pixels with |d − truth| above correct_px
     double bad_1 = 0.0;       ///< pixels with |d − truth| > 1 px
     double bad_3 = 0.0;       ///< pixels with |d − truth| > 3 px
+
+    void add(const Bin& bin, double share);  ///< of `bin`
   };
   std::vector<Bin> bins;       ///< kConfidenceBins by increasing confidence; empty: unknown
   double pixels = 0.0;         ///< all counted pixels; those without a disparity are in no bin
   double squared_error = 0.0;  ///< sum of (confidence − correct)², correct = 0 or 1
 };
+
+/// Number of the bin of a confidence in [0, 1].
+std::size_t confidenceBin(double confidence);
 
 /// Counts the same pixels as evaluateDisparity. `confidence` is CV_32FC1; NaN counts as 0. A pixel
 /// without a disparity counts as wrong with confidence 0. The result has no bins if a confidence is

@@ -1,8 +1,10 @@
 #include "evaluation/recalibration.h"
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
+
+#include "selection/confidence_scaling.h"
+
+#include "cbmv_stereo/parameters.h"
 
 namespace cbmv {
 namespace {
@@ -12,18 +14,12 @@ using Bin = ConfidenceProfile::Bin;
 constexpr int kIterations = 50;
 constexpr double kLargestStep = 2.0;
 constexpr double kSmallestCurvature = 1e-9;  // per pixel
-constexpr double kLowestScale = 0.1;         // ranges of the parameters
-constexpr double kHighestScale = 10.0;
-constexpr double kHighestShift = 10.0;
 
-double logOdds(const Bin& bin) {
-  constexpr double kOutermost = 0.5 / 255.0;  // as MapSelector
-  const double mean = std::clamp(bin.confidence / bin.pixels, kOutermost, 1.0 - kOutermost);
-  return std::log(mean / (1.0 - mean));
-}
+double logOdds(const Bin& bin) { return logOddsOf(bin.confidence / bin.pixels); }
 
-double probability(const Recalibration& map, double log_odds) {
-  return 1.0 / (1.0 + std::exp(-(map.scale * log_odds + map.shift)));
+double inRange(double value, const char* parameter) {
+  const Parameter range = findParameter(parameter);
+  return std::clamp(value, range.lowest, range.highest);
 }
 
 /// First and second derivatives of the log-likelihood.
@@ -39,7 +35,7 @@ Derivatives derivativesAt(const ConfidenceProfile& profile, const Recalibration&
       continue;
     }
     const double x = logOdds(bin);
-    const double p = probability(map, x);
+    const double p = scaledConfidence(x, map.scale, map.shift);
     const double surplus = bin.pixels * (1.0 - p) - bin.wrong;
     const double weight = bin.pixels * p * (1.0 - p);
     sum.scale += surplus * x;
@@ -66,8 +62,7 @@ Recalibration fitRecalibration(const ConfidenceProfile& profile) {
     map.scale += std::clamp(scale, -kLargestStep, kLargestStep);
     map.shift += std::clamp(shift, -kLargestStep, kLargestStep);
   }
-  return {std::clamp(map.scale, kLowestScale, kHighestScale),
-          std::clamp(map.shift, -kHighestShift, kHighestShift)};
+  return {inRange(map.scale, "confidence_scale"), inRange(map.shift, "confidence_shift")};
 }
 
 ConfidenceProfile recalibrate(const ConfidenceProfile& profile, const Recalibration& map) {
@@ -78,14 +73,10 @@ ConfidenceProfile recalibrate(const ConfidenceProfile& profile, const Recalibrat
     if (bin.pixels <= 0.0) {
       continue;
     }
-    const double p = probability(map, logOdds(bin));
-    Bin& target =
-        result.bins[std::min(static_cast<std::size_t>(p * kConfidenceBins), kConfidenceBins - 1)];
-    target.pixels += bin.pixels;
-    target.confidence += bin.pixels * p;
-    target.wrong += bin.wrong;
-    target.bad_1 += bin.bad_1;
-    target.bad_3 += bin.bad_3;
+    const double p = scaledConfidence(logOdds(bin), map.scale, map.shift);
+    Bin moved = bin;
+    moved.confidence = bin.pixels * p;
+    result.bins[confidenceBin(p)].add(moved, 1.0);
     result.squared_error += bin.wrong * p * p + (bin.pixels - bin.wrong) * (1.0 - p) * (1.0 - p);
   }
   return result;

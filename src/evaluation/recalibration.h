@@ -12,9 +12,9 @@ struct Recalibration {
 };
 
 /// The maximum-likelihood map from the confidences to the shares of correct pixels: two numbers, so
-/// some scenes with ground truth suffice, and the order of the pixels stays. As trained (scale 1,
-/// shift 0) if the profile is unknown, has pixels of one confidence only, or only correct or only
-/// wrong pixels.
+/// some scenes with ground truth suffice, and the order of the pixels stays. Within the ranges of
+/// the parameters. As trained (scale 1, shift 0) if the profile is unknown, has pixels of one
+/// confidence only, or only correct or only wrong pixels.
 Recalibration fitRecalibration(const ConfidenceProfile& profile);
 
 /// The profile after the map: errors as before, at the new confidences. Each bin moves as a whole.

@@ -24,12 +24,6 @@ constexpr std::array<const char*, 8> kStockOnly = {
     "stereo_algorithm", "prefilter_size",    "prefilter_cap", "correlation_window_size",
     "uniqueness_ratio", "texture_threshold", "fullDP",        "disp12MaxDiff"};
 
-std::string text(const ParameterValue& value) {
-  std::ostringstream stream;
-  std::visit([&](auto number) { stream << std::boolalpha << number; }, value);
-  return stream.str();
-}
-
 /// The list of dynamic_reconfigure::Config for parameters of type Value.
 template <typename Value>
 auto& listOf(dynamic_reconfigure::Config& message) {
@@ -55,7 +49,7 @@ void withEntry(dynamic_reconfigure::Config& message, const Parameter& parameter,
         if (entry == list.end()) {
           throw Error("cfg/Stereo.cfg: the parameter '" + parameter.name +
                       "' is missing or has the wrong type, expected the type of its default " +
-                      text(parameter.default_value) +
+                      valueText(parameter.default_value) +
                       " in src/pipeline/parameters.cpp. Add it, or correct its type");
         }
         use(*entry, value);
@@ -140,8 +134,9 @@ std::vector<std::string> offerParameters(const StereoOptions& options,
           auto present = value;
           if (private_nh.getParam(parameter.name, present)) {
             if (!sameValue(present, value)) {
-              differences.push_back(private_nh.resolveName(parameter.name) + " = " + text(present) +
-                                    " on the parameter server overrides " + text(value));
+              differences.push_back(private_nh.resolveName(parameter.name) + " = " +
+                                    valueText(present) + " on the parameter server overrides " +
+                                    valueText(value));
             }
           } else if (!sameValue(value, default_value)) {
             private_nh.setParam(parameter.name, value);

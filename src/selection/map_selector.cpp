@@ -1,7 +1,6 @@
 #include "selection/map_selector.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
@@ -9,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "refinement/median_filter.h"
+#include "selection/confidence_scaling.h"
 #include "selection/thin_pixels.h"
 
 namespace cbmv {
@@ -16,7 +16,6 @@ namespace {
 
 constexpr float kNoSigma = std::numeric_limits<float>::quiet_NaN();
 constexpr float kBytes = 255.0F;
-constexpr float kOuterByte = 0.5F;  // in place of 0 and 255, whose log-odds are infinite
 constexpr int kMedianSizePx = 3;
 
 }  // namespace
@@ -78,16 +77,14 @@ void MapSelector::select(const JudgedMaps& judged, const SelectionOptions& optio
   }
 }
 
-/// Platt scaling of the probabilities.
 void MapSelector::tabulateConfidence(const SelectionOptions& options) {
   const bool as_trained = options.confidence_scale == 1.0F && options.confidence_shift == 0.0F;
   for (std::size_t byte = 0; byte < published_.size(); ++byte) {
-    const auto value = static_cast<float>(byte);
-    const float inside = std::clamp(value, kOuterByte, kBytes - kOuterByte);
-    const float log_odds = std::log(inside / (kBytes - inside));
-    published_[byte] = as_trained ? value / kBytes
-                                  : 1.0F / (1.0F + std::exp(-(options.confidence_scale * log_odds +
-                                                              options.confidence_shift)));
+    const float trained = static_cast<float>(byte) / kBytes;
+    published_[byte] =
+        as_trained ? trained
+                   : static_cast<float>(scaledConfidence(
+                         logOddsOf(trained), options.confidence_scale, options.confidence_shift));
   }
 }
 

@@ -115,9 +115,7 @@ void addSearchOptions(CLI::App& app, Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app{
       "Searches the parameters of cost aggregation, SGM and refinement on rectified stereo pairs "
-      "with "
-      "ground "
-      "truth, and writes them as a preset"};
+      "with ground truth, and writes them as a preset"};
   Arguments arguments;
   arguments.request.objectives = {"bad_1"};
   cbmv::addDataSetOption(app, arguments.data_sets);

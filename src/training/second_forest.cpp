@@ -118,9 +118,10 @@ class SecondForestTrainer {
     ConfidenceForest confidence = grow("confidence forest", samples, options_.second.confidence);
     fitSigma(*crossed, samples, confidence);
     forest.confidence = std::make_shared<const ConfidenceForest>(std::move(confidence));
-    if (truthDensity() < kLeastTruth) {
+    const double density = truthDensity();
+    if (density < kLeastTruth) {
       report("no selection forest: the truth covers " +
-             std::to_string(std::lround(100.0 * truthDensity())) + " % of the pixels, expected " +
+             std::to_string(std::lround(100.0 * density)) + " % of the pixels, expected " +
              std::to_string(std::lround(100.0 * kLeastTruth)) +
              " %. Disparities will not be replaced");
       return;

@@ -36,6 +36,18 @@ class BagProcessingTest : public testing::Test {
     FollowedOffset offset;
     return processor.match(processor.prepare(toStereoInput(messages.asConst(), {}, false)), offset);
   }
+  /// Makes the cloud of one pair of 96×64 pixels of one color (blue, green, red).
+  void expectCloudOfColor(int blue, int green, int red) {
+    options_.outputs = {"cloud"};
+    options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
+    process(options_);
+    const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
+    ASSERT_EQ(clouds.size(), 1U);
+    const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
+    EXPECT_EQ(center[0], blue);
+    EXPECT_EQ(center[1], green);
+    EXPECT_EQ(center[2], red);
+  }
   std::string disparityLive(const PairMessages& messages) {
     const ProcessedFrame frame = processLive(messages);
     return bytesOf(toDisparityImage(frame.result, frame.geometry, frame.disparity_step_px,
@@ -320,15 +332,7 @@ TEST_F(BagProcessingTest, CloudsOfRawColorAreColored) {
               left ? messages.left_info : messages.right_info);
   }
   bag.close();
-  options_.outputs = {"cloud"};
-  options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
-  process(options_);
-  const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
-  ASSERT_EQ(clouds.size(), 1U);
-  const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
-  EXPECT_EQ(center[0], 200);
-  EXPECT_EQ(center[1], 100);
-  EXPECT_EQ(center[2], 0);
+  expectCloudOfColor(200, 100, 0);
 }
 
 TEST_F(BagProcessingTest, ListsWhatIsThereIfThereIsNoPair) {
@@ -529,14 +533,7 @@ TEST_F(CalibratedByFiles, OfRectifiedImagesRectifyNothing) {
 TEST_F(CalibratedByFiles, CloudsTakeTheColorsOfImagesThatAreNotNamedRectified) {
   write("image_raw", cv::Mat(64, 96, CV_8UC3, cv::Scalar(200, 100, 0)), "bgr8");
   options_.topics.rectified = Rectified::kYes;
-  options_.outputs = {"cloud"};
-  options_.matching.stereo.range = {2, 3};  // textureless, so any disparity is acceptable
-  process(options_);
-  const auto clouds = readTopic<sensor_msgs::PointCloud2>(output_, "/points2");
-  ASSERT_EQ(clouds.size(), 1U);
-  const std::uint8_t* center = &clouds[0]->data[(32 * 96 + 48) * clouds[0]->point_step + 16];
-  EXPECT_EQ(center[0], 200);
-  EXPECT_EQ(center[1], 100);
+  expectCloudOfColor(200, 100, 0);
 }
 
 TEST_F(BagProcessingTest, ChoosesAmongCameras) {
