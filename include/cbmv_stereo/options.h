@@ -58,7 +58,8 @@ struct SgmOptions {
   int iterations = 2;            ///< sgm_i; 0 disables SGM
 };
 
-/// All steps after winner-takes-all (WTA). Defaults: the authors' Middlebury settings.
+/// All steps after winner-takes-all (WTA). Defaults of the median and the bilateral filter: the
+/// authors' Middlebury settings.
 struct RefinementOptions {
   bool left_right_check = true;  ///< label occluded and mismatched pixels
   /// SGM runs on the right view for the check. false: the right winners are from the left volume.

@@ -27,7 +27,8 @@ struct StereoResult {
   cv::Mat right_disparity;  ///< CV_32FC1, px, right view, after WTA; empty without the check
   cv::Mat labels;  ///< CV_8UC1 of Label, left view: result of the left-right consistency check
   /// CV_32FC1 in [0, 1], left view. With a second forest: its probability that the disparity is
-  /// within 1 px of the true disparity; 0 where there is no disparity. Without a second forest: the
+  /// within 1 px of the true disparity, recalibrated by RefinementOptions::confidence_scale and
+  /// confidence_shift; 0 where there is no disparity. Without a second forest: the
   /// probability from the first forest that the whole-pixel winner is correct, halved where the
   /// left-right consistency check failed.
   cv::Mat confidence;
@@ -36,7 +37,7 @@ struct StereoResult {
   /// at that distance. Refinement does not change it.
   cv::Mat margin;
   /// CV_32FC1, px, left view: standard deviation of the disparity error of an inlier (|error| ≤ 1
-  /// px; `confidence` is the probability of an inlier). Above 0; NaN where there is no disparity.
+  /// px). Above 0; NaN where there is no disparity.
   /// Empty without a second forest.
   cv::Mat disparity_sigma;
   /// Memory that the matcher needs for this pair, in MB of 2^20 bytes (memory.h).

@@ -99,9 +99,8 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
       output(
           "depth_sigma",
-          "32FC1, standard deviation of `depth` in meters, if the disparity is right within 1 px "
-          "(`confidence` is the probability of that); NaN where there is no depth. Needs a forest "
-          "file with a second forest",
+          "32FC1, standard deviation of `depth` in meters, if the disparity is right within 1 px; "
+          "NaN where there is no depth. Needs a forest file with a second forest",
           depthSigmaOf),
       output("depth_raw", "16UC1, Z in millimeters; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),
@@ -110,10 +109,12 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              [](const Frame& f) {
                return toRectifiedInfo(f.geometry(), f.result().disparity.size(), f.header);
              }),
-      output("confidence",
-             "32FC1 in [0, 1]: probability that the disparity is within 1 px of the truth "
-             "([confidence.md](confidence.md)); 0 where there is none",
-             [](const Frame& f) { return toConfidenceImage(f.result(), f.header); }),
+      output(
+          "confidence",
+          "32FC1 in [0, 1]: probability that the disparity is within 1 px of the truth, or within "
+          "the limit that the confidence was recalibrated for, 3 px with the preset kitti "
+          "([confidence.md](confidence.md)); 0 where there is none",
+          [](const Frame& f) { return toConfidenceImage(f.result(), f.header); }),
       output("valid_mask", "mono8: 255 where there is a disparity, 0 where there is none",
              [](const Frame& f) { return toValidMask(f.result(), f.header); }),
       output("disparity_color",

@@ -22,8 +22,8 @@ struct SelectedMaps {
 
 /// What MapSelector may change, and how it publishes the confidence.
 struct SelectionOptions {
-  bool replace = true;            ///< improbable disparities
-  bool fill = true;               ///< pixels without a disparity, too
+  bool replace = true;            ///< replace improbable disparities
+  bool fill = true;               ///< also give a disparity to pixels without one
   float confidence_scale = 1.0F;  ///< see RefinementOptions
   float confidence_shift = 0.0F;
 };
@@ -32,7 +32,7 @@ struct SelectionOptions {
 /// sets the confidence of every pixel. After Schönberger, Sinha and Pollefeys 2018 (SGM-Forest),
 /// with pixels in place of scan lines as sources of proposals.
 ///
-/// The confidence forest judges each pixel. Where it gives less than
+/// The confidence forest judges each pixel. Where it gives (before recalibration) less than
 /// ConfidentNeighbors::kConfident, the nearest confident pixels on the left, on the right, above
 /// and below propose their disparities. Where one is more than 1 px from the pixel's own, the
 /// selection forest judges them all. The most probable one is taken, the pixel's own on ties, and

@@ -37,8 +37,8 @@ struct SecondForestOptions {
 struct TrainingOptions {
   ForestKind kind = ForestKind::kOblivious;
   long pixels_per_scene = 100000;  ///< at most, of each level; each gives up to three samples
-  /// At most, over all scenes, each of which gets the same share: bounds the memory. Of the second
-  /// forest: pixels, each of which gives up to five samples. Not given: the default of the kind.
+  /// Upper limit over all scenes; each scene gets the same share. First forest: samples. Second
+  /// forest: pixels, which give up to five samples each. Not given: the default of the kind.
   std::optional<long> max_samples;
   /// The search that the forest is made for: samples come from all of its levels. 0 levels: from
   /// the full size and the whole range alone.
@@ -76,7 +76,7 @@ using TrainingProgress = std::function<void(const TrainingStep&)>;
 /// Called with a line for people now and then.
 using TrainingReport = std::function<void(const std::string&)>;
 
-/// Pixels that are drawn from each level of each of so many scenes: options.pixels_per_scene, or
+/// Pixels drawn per scene and level for this number of scenes: options.pixels_per_scene, or
 /// less so that no more than options.maxSamples() come together. Throws Error when that leaves
 /// none.
 long pixelsPerScene(std::size_t scenes, const TrainingOptions& options);

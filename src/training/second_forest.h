@@ -20,8 +20,9 @@ std::vector<int> crossFittingGroups(const std::vector<std::string>& names, int g
 /// They learn from maps of the same kind as they will see, so by cross-fitting: for each group of
 /// scenes, a first forest is trained on the other groups and matches the scenes of the group. The
 /// selection forest learns in the same way from confidences of forests that did not see the scene.
-/// The model of the standard deviation is fitted to these, too. Reports and leaves the forest as it
-/// is where there are not two groups, or no samples of both classes without one of them. Trains no
+/// The model of the standard deviation is fitted to these, too. Leaves the
+/// forest unchanged, and reports why, if there are fewer than two groups, or if without one group
+/// the samples lack a class (correct or wrong). Trains no
 /// selection forest where the truth covers less than half of the pixels. Holds the maps of all
 /// scenes in memory, 19 bytes a pixel and preset, and the samples of so many pixels as
 /// options.second.pixels_per_scene and options.maxSamples() allow.
