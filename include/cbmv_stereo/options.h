@@ -77,6 +77,7 @@ struct RefinementOptions {
   /// then the shift is added. It changes no disparity.
   float confidence_scale = 1.0F;
   float confidence_shift = 0.0F;
+  float sigma_scale = 1.0F;  ///< multiplies StereoResult::disparity_sigma
   int speckle_size_px = 0;   ///< pixels; regions of at most this size become invalid; 0: off
   int speckle_range_px = 4;  ///< px of disparity; a larger difference separates regions
 };

@@ -37,7 +37,7 @@ struct StereoResult {
   /// at that distance. Refinement does not change it.
   cv::Mat margin;
   /// CV_32FC1, px, left view: standard deviation of the disparity error of an inlier (|error| ≤ 1
-  /// px). Above 0; NaN where there is no disparity.
+  /// px), multiplied by RefinementOptions::sigma_scale. Above 0; NaN where there is no disparity.
   /// Empty without a second forest.
   cv::Mat disparity_sigma;
   /// Memory that the matcher needs for this pair, in MB of 2^20 bytes (memory.h).

@@ -28,8 +28,10 @@ std::optional<ConfidenceSummary> summarizeConfidence(const std::vector<SceneScor
                                                      PixelSums SceneScore::*sums, bool weighted,
                                                      const std::optional<double>& density) {
   ConfidenceProfile pooled;
+  SigmaCoverage pooled_sigma;
   for (const SceneScore& score : scores) {
     addProfile((score.*sums).confidence, weightOf(score, weighted), pooled);
+    addCoverage((score.*sums).sigma, weightOf(score, weighted), pooled_sigma);
   }
   if (pooled.bins.empty()) {
     return std::nullopt;
@@ -39,6 +41,7 @@ std::optional<ConfidenceSummary> summarizeConfidence(const std::vector<SceneScor
   summary.calibration_error = calibrationError(pooled);
   summary.recalibration = fitRecalibration(pooled);
   summary.recalibrated_error = calibrationError(recalibrate(pooled, summary.recalibration));
+  summary.sigma_scale = fitSigmaScale(pooled_sigma);
   std::transform(kMinConfidences.begin(), kMinConfidences.end(), summary.operating_points.begin(),
                  [&](double threshold) { return operatingPoint(pooled, threshold); });
   if (density) {

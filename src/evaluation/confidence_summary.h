@@ -21,6 +21,7 @@ struct ConfidenceSummary {
   double calibration_error = 0.0;            ///< of the pixels of all scenes
   Recalibration recalibration;               ///< fitted to these pixels
   double recalibrated_error = 0.0;           ///< calibration error with it, on the same pixels
+  std::optional<double> sigma_scale;         ///< fitted to these pixels
   std::optional<OperatingPoint> at_density;  ///< with one threshold for all scenes
   /// Mean over the scenes, each with its own threshold; min_confidence is NaN.
   std::optional<OperatingPoint> at_density_each_scene;

@@ -165,7 +165,8 @@ std::string operatingTables(const EvaluationReport& report, const Text& text) {
   return tables;
 }
 
-/// What would calibrate the confidence of these scenes; empty if it is unknown.
+/// What would calibrate confidence and standard deviations of these scenes; empty if the confidence
+/// is unknown.
 std::string recalibrationNote(const EvaluationReport& report) {
   const auto all = summarizeConfidence(report.scenes, &SceneScore::all_sums, false, report.density);
   if (!all) {
@@ -175,7 +176,11 @@ std::string recalibrationNote(const EvaluationReport& report) {
          " px, pixels of all scenes: ece " + fixed(all->calibration_error, 3) +
          ", and with log-odds * " + fixed(all->recalibration.scale, 2) + " + " +
          fixed(all->recalibration.shift, 2) +
-         " (confidence_scale, confidence_shift): " + fixed(all->recalibrated_error, 3) + "\n";
+         " (confidence_scale, confidence_shift): " + fixed(all->recalibrated_error, 3) +
+         (all->sigma_scale
+              ? ". Standard deviations * " + fixed(*all->sigma_scale, 2) + " (sigma_scale)"
+              : std::string()) +
+         "\n";
 }
 
 std::string csvField(const std::string& text) {

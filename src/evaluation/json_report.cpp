@@ -22,7 +22,8 @@ namespace {
 using Json = OrderedJson;
 
 constexpr std::uintmax_t kLargestFile = 64 << 20;
-constexpr int kVersion = 2;  ///< version 1 has no sums; it is read but not written
+/// Earlier versions have no sums (1) or others of sigma (2), and are not read.
+constexpr int kVersion = 3;
 
 Json numberToJson(double value) { return std::isnan(value) ? Json() : Json(value); }
 
@@ -134,19 +135,26 @@ ConfidenceProfile profileFromJson(const Json& json) {
   return profile;
 }
 
-/// A value of SigmaCoverage and its name in reports.
-struct SigmaEntry {
-  const char* name;
-  double SigmaCoverage::*value;
-};
+Json coverageToJson(const SigmaCoverage& coverage) {
+  Json json = {{"pixels", coverage.pixels},
+               {"inliers", coverage.inliers},
+               {"squared_sum", coverage.squared_sum}};
+  for (const double count : coverage.bins) {
+    json["bins"].push_back(rounded(count));
+  }
+  return json;
+}
 
-constexpr std::array<SigmaEntry, 5> kSigmaEntries = {{
-    {"pixels", &SigmaCoverage::pixels},
-    {"inliers", &SigmaCoverage::inliers},
-    {"within_1", &SigmaCoverage::within_1},
-    {"within_2", &SigmaCoverage::within_2},
-    {"squared_sum", &SigmaCoverage::squared_sum},
-}};
+SigmaCoverage coverageFromJson(const Json& json) {
+  SigmaCoverage coverage;
+  coverage.pixels = json.at("pixels").get<double>();
+  coverage.inliers = json.at("inliers").get<double>();
+  coverage.squared_sum = json.at("squared_sum").get<double>();
+  for (std::size_t b = 0; b < SigmaCoverage::kBins; ++b) {
+    coverage.bins[b] = json.at("bins").at(b).get<double>();
+  }
+  return coverage;
+}
 
 /// The known sums.
 Json sumsToJson(const PixelSums& sums) {
@@ -154,10 +162,8 @@ Json sumsToJson(const PixelSums& sums) {
   if (!sums.confidence.bins.empty()) {
     json["confidence"] = profileToJson(sums.confidence);
   }
-  for (const SigmaEntry& entry : kSigmaEntries) {
-    if (sums.sigma.inliers > 0.0) {
-      json["sigma"][entry.name] = sums.sigma.*entry.value;
-    }
+  if (sums.sigma.inliers > 0.0) {
+    json["sigma"] = coverageToJson(sums.sigma);
   }
   return json;
 }
@@ -168,9 +174,7 @@ PixelSums sumsFromJson(const Json& json) {
     sums.confidence = profileFromJson(json.at("confidence"));
   }
   if (json.contains("sigma")) {
-    for (const SigmaEntry& entry : kSigmaEntries) {
-      sums.sigma.*entry.value = json.at("sigma").at(entry.name).get<double>();
-    }
+    sums.sigma = coverageFromJson(json.at("sigma"));
   }
   return sums;
 }
@@ -232,6 +236,9 @@ Json summaryToJson(const ConfidenceSummary& summary) {
   json["recalibration"] = {{"confidence_scale", summary.recalibration.scale},
                            {"confidence_shift", summary.recalibration.shift},
                            {"ece", numberToJson(summary.recalibrated_error)}};
+  if (summary.sigma_scale) {
+    json["recalibration"]["sigma_scale"] = *summary.sigma_scale;
+  }
   if (summary.at_density) {
     json["at_density"] = pointToJson(*summary.at_density);
     json["at_density_each_scene"] = pointToJson(*summary.at_density_each_scene);
@@ -260,7 +267,7 @@ void requireVersion(const Json& json, const std::string& path) {
   const int version = json.is_object() ? json.value("version", 1) : kVersion;
   if (version != kVersion) {
     throw Error("Cannot read " + path + ": it is a report of version " + std::to_string(version) +
-                " and misses numbers that this program reports, expected version " +
+                ", whose numbers cannot be mixed with those of this program, expected version " +
                 std::to_string(kVersion) + ". Measure all scenes again, without --resume.");
   }
 }

@@ -65,6 +65,13 @@ Recalibration fitRecalibration(const ConfidenceProfile& profile) {
   return {inRange(map.scale, "confidence_scale"), inRange(map.shift, "confidence_shift")};
 }
 
+std::optional<double> fitSigmaScale(const SigmaCoverage& coverage) {
+  if (!(coverage.inliers > 0.0)) {
+    return std::nullopt;
+  }
+  return inRange(coverage.ratioQuantile(kOneSigmaShare), "sigma_scale");
+}
+
 ConfidenceProfile recalibrate(const ConfidenceProfile& profile, const Recalibration& map) {
   ConfidenceProfile result = profile;
   std::fill(result.bins.begin(), result.bins.end(), Bin{});

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "evaluation/confidence_profile.h"
+#include "evaluation/sigma_coverage.h"
 
 namespace cbmv {
 
@@ -16,6 +19,10 @@ struct Recalibration {
 /// the parameters. As trained (scale 1, shift 0) if the profile is unknown, has pixels of one
 /// confidence only, or only correct or only wrong pixels.
 Recalibration fitRecalibration(const ConfidenceProfile& profile);
+
+/// The factor with which kOneSigmaShare of the inliers are within one sigma, as in training. Within
+/// the range of the parameter sigma_scale. Nothing without inliers.
+std::optional<double> fitSigmaScale(const SigmaCoverage& coverage);
 
 /// The profile after the map: errors as before, at the new confidences. Each bin moves as a whole.
 ConfidenceProfile recalibrate(const ConfidenceProfile& profile, const Recalibration& map);

@@ -9,19 +9,16 @@ namespace cbmv {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr double kInlierPx = 1.0;
 
 /// Maps and truth, scaled for the thresholds.
 struct Comparison {
   SceneMaps maps;
   cv::Mat truth;
   float correct_px;
-  float inlier_px;
 };
 
 Comparison compare(const StereoScene& scene, const SceneMaps& maps, const ScoreOptions& options) {
-  Comparison scaled{maps, cv::Mat(), static_cast<float>(options.correct_px * options.scale),
-                    static_cast<float>(kInlierPx * options.scale)};
+  Comparison scaled{maps, cv::Mat(), static_cast<float>(options.correct_px * options.scale)};
   scene.truth.convertTo(scaled.truth, -1, options.scale);
   for (cv::Mat* map : {&scaled.maps.disparity, &scaled.maps.disparity_sigma}) {
     cv::Mat product;
@@ -50,7 +47,7 @@ PixelScore scorePixels(const Comparison& compared, const cv::Mat& mask) {
   }
   if (!maps.disparity_sigma.empty()) {
     score.sums.sigma = coverSigma(maps.disparity, maps.disparity_sigma, compared.truth, mask, kNone,
-                                  compared.inlier_px);
+                                  compared.correct_px);
   }
   return score;
 }

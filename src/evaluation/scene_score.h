@@ -92,11 +92,11 @@ struct SceneScore {
 /// Settings of scoreScene.
 struct ScoreOptions {
   /// Largest |d − truth| of a correct disparity, px of the images. `auc`, `ece`, `brier` and the
-  /// operating points count larger errors as wrong. An inlier of sigma has an error up to 1 px.
+  /// operating points count larger errors as wrong. It is also the largest error of an inlier
+  /// (sigma_coverage.h).
   double correct_px = 1.0;
-  /// Factor for disparities, truth, sigma, correct_px and the 1 px limit of inliers; the other
-  /// thresholds are not scaled. With 2, images of half resolution give errors at full-resolution
-  /// scale.
+  /// Factor for disparities, truth, sigma and correct_px; the other thresholds are not scaled. With
+  /// 2, images of half resolution give errors at full-resolution scale.
   double scale = 1.0;
 };
 

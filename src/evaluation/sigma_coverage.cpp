@@ -1,7 +1,9 @@
 #include "evaluation/sigma_coverage.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "evaluation/map_checks.h"
 
@@ -12,11 +14,38 @@ double ratio(double part, double whole) {
   return whole > 0.0 ? part / whole : std::numeric_limits<double>::quiet_NaN();
 }
 
+double percentWithin(const SigmaCoverage& coverage, std::size_t sigmas) {
+  const double* const begin = coverage.bins.data();
+  const double* const end = begin + sigmas * SigmaCoverage::kBinsPerSigma;
+  return 100.0 * ratio(std::accumulate(begin, end, 0.0), coverage.inliers);
+}
+
 }  // namespace
 
-double SigmaCoverage::withinOne() const { return 100.0 * ratio(within_1, inliers); }
+void SigmaCoverage::addInliers(double count, double ratio) {
+  const double end = std::ceil(std::min(ratio * kBinsPerSigma, double{kBins}));
+  inliers += count;
+  squared_sum += count * ratio * ratio;
+  bins[end < 1.0 ? 0 : static_cast<std::size_t>(end) - 1] += count;
+}
 
-double SigmaCoverage::withinTwo() const { return 100.0 * ratio(within_2, inliers); }
+double SigmaCoverage::ratioQuantile(double share) const {
+  if (!(inliers > 0.0)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  double below = 0.0;
+  std::size_t b = 0;
+  while (b + 1 < kBins && below + bins[b] < share * inliers) {
+    below += bins[b++];
+  }
+  const double part =
+      bins[b] > 0.0 ? std::clamp((share * inliers - below) / bins[b], 0.0, 1.0) : 0.0;
+  return (static_cast<double>(b) + part) / kBinsPerSigma;
+}
+
+double SigmaCoverage::withinOne() const { return percentWithin(*this, 1); }
+
+double SigmaCoverage::withinTwo() const { return percentWithin(*this, 2); }
 
 double SigmaCoverage::rms() const { return std::sqrt(ratio(squared_sum, inliers)); }
 
@@ -35,11 +64,7 @@ SigmaCoverage coverSigma(const cv::Mat& disparity, const cv::Mat& sigma, const c
     if (!hasDisparity(d, invalid) || error > inlier_px || !std::isfinite(s) || s <= 0.0F) {
       return;
     }
-    const double ratio = static_cast<double>(error) / s;
-    coverage.inliers += 1.0;
-    coverage.within_1 += ratio <= 1.0 ? 1.0 : 0.0;
-    coverage.within_2 += ratio <= 2.0 ? 1.0 : 0.0;
-    coverage.squared_sum += ratio * ratio;
+    coverage.addInliers(1.0, static_cast<double>(error) / s);
   });
   return coverage;
 }
@@ -48,9 +73,10 @@ void addCoverage(const SigmaCoverage& scene, double weight, SigmaCoverage& sum) 
   const double share = scene.pixels > 0.0 ? weight / scene.pixels : 0.0;
   sum.pixels += weight;
   sum.inliers += share * scene.inliers;
-  sum.within_1 += share * scene.within_1;
-  sum.within_2 += share * scene.within_2;
   sum.squared_sum += share * scene.squared_sum;
+  for (std::size_t b = 0; b < SigmaCoverage::kBins; ++b) {
+    sum.bins[b] += share * scene.bins[b];
+  }
 }
 
 }  // namespace cbmv

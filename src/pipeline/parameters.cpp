@@ -228,6 +228,9 @@ void addRefinementParameters(ParameterTable& table) {
       "Recalibrates the confidence of the second forest: is added to its log-odds, after "
       "confidence_scale; 0: as trained");
   table.add(
+      "sigma_scale", "", 0.1, 10, [](Options& o) -> float& { return o.refinement.sigma_scale; },
+      "Multiplies the standard deviation of disparity and depth; 1: as trained");
+  table.add(
       "speckle_size", "px", 0, 1000,
       [](Options& o) -> int& { return o.refinement.speckle_size_px; },
       "Regions of up to this many pixels become invalid; 0: off");

@@ -143,7 +143,7 @@ class StereoMatcher::Impl {
         {result.disparity, result.right_disparity, result.labels, result.confidence, result.margin,
          result.range},
         {refinement.replace_improbable, refinement.fill_occlusions && refinement.fill_mismatches,
-         refinement.confidence_scale, refinement.confidence_shift},
+         refinement.confidence_scale, refinement.confidence_shift, refinement.sigma_scale},
         {result.disparity, result.confidence, result.disparity_sigma});
   }
 

@@ -99,8 +99,9 @@ std::vector<Output> stereoOutputs(const CloudOptions& cloud_options) {
              [](const Frame& f) { return toDepthImage(f.result(), f.geometry(), f.header); }),
       output(
           "depth_sigma",
-          "32FC1, standard deviation of `depth` in meters, if the disparity is right within 1 px; "
-          "NaN where there is no depth. Needs a forest file with a second forest",
+          "32FC1, standard deviation of `depth` in meters, if the disparity is right within 1 px "
+          "(preset kitti: 3 px); NaN where there is no depth. Needs a forest file with a second "
+          "forest",
           depthSigmaOf),
       output("depth_raw", "16UC1, Z in millimeters; 0 where there is none or more than 65 535",
              [](const Frame& f) { return toRawDepthImage(f.result(), f.geometry(), f.header); }),

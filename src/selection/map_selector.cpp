@@ -51,7 +51,7 @@ MapSelector::MapSelector(std::shared_ptr<const Forest> forest)
 void MapSelector::select(const JudgedMaps& judged, const SelectionOptions& options,
                          const SelectedMaps& maps) {
   const bool replaces = options.replace && evaluator_.has_value();
-  tabulateConfidence(options);
+  tabulate(options);
   confidence_.estimate(judged);
   if (forest_->confidence->hasSigma()) {
     maps.disparity_sigma.create(maps.disparity.size(), CV_32FC1);
@@ -77,7 +77,8 @@ void MapSelector::select(const JudgedMaps& judged, const SelectionOptions& optio
   }
 }
 
-void MapSelector::tabulateConfidence(const SelectionOptions& options) {
+void MapSelector::tabulate(const SelectionOptions& options) {
+  sigma_scale_ = options.sigma_scale;
   const bool as_trained = options.confidence_scale == 1.0F && options.confidence_shift == 0.0F;
   for (std::size_t byte = 0; byte < published_.size(); ++byte) {
     const float trained = static_cast<float>(byte) / kBytes;
@@ -86,6 +87,11 @@ void MapSelector::tabulateConfidence(const SelectionOptions& options) {
                    : static_cast<float>(scaledConfidence(
                          logOddsOf(trained), options.confidence_scale, options.confidence_shift));
   }
+}
+
+float MapSelector::sigmaPx(int y, int x, std::uint8_t probability) const {
+  const std::uint8_t bin = confidence_.roughnessBins().at<std::uint8_t>(y, x);
+  return sigma_scale_ * forest_->confidence->sigmaPx(bin, probability);
 }
 
 /// What the confidence forest says.
@@ -97,11 +103,9 @@ void MapSelector::fillRow(int y, float invalid, const SelectedMaps& maps) const 
     confidence[x] = disparity[x] == invalid ? 0.0F : published_[bytes[x]];
   }
   if (!maps.disparity_sigma.empty()) {
-    const auto* bins = confidence_.roughnessBins().ptr<std::uint8_t>(y);
     auto* sigma = maps.disparity_sigma.ptr<float>(y);
     for (int x = 0; x < maps.disparity.cols; ++x) {
-      sigma[x] =
-          disparity[x] == invalid ? kNoSigma : forest_->confidence->sigmaPx(bins[x], bytes[x]);
+      sigma[x] = disparity[x] == invalid ? kNoSigma : sigmaPx(y, x, bytes[x]);
     }
   }
 }
@@ -225,8 +229,7 @@ void MapSelector::choose(int y, const Row& row, int block, int i, const Selected
         static_cast<float>(proposals[best][i]) / static_cast<float>(kPlaneUnitsPerPx);
   }
   if (!maps.disparity_sigma.empty()) {
-    maps.disparity_sigma.at<float>(y, x) =
-        forest_->confidence->sigmaPx(confidence_.roughnessBins().at<std::uint8_t>(y, x), byte);
+    maps.disparity_sigma.at<float>(y, x) = sigmaPx(y, x, byte);
   }
 }
 

@@ -20,12 +20,13 @@ struct SelectedMaps {
   cv::Mat& disparity_sigma;  ///< CV_32FC1; becomes empty where the forest has no model of it
 };
 
-/// What MapSelector may change, and how it publishes the confidence.
+/// What MapSelector may change, and how it publishes what the second forest says.
 struct SelectionOptions {
   bool replace = true;            ///< replace improbable disparities
   bool fill = true;               ///< also give a disparity to pixels without one
   float confidence_scale = 1.0F;  ///< see RefinementOptions
   float confidence_shift = 0.0F;
+  float sigma_scale = 1.0F;
 };
 
 /// Last stage: replaces disparities that are probably wrong by those of confident neighbors, and
@@ -67,7 +68,8 @@ class MapSelector {
     alignas(64) std::array<std::uint16_t, ConfidenceCodes::kQueries> scores{};
   };
 
-  void tabulateConfidence(const SelectionOptions& options);
+  void tabulate(const SelectionOptions& options);
+  float sigmaPx(int y, int x, std::uint8_t probability) const;
   void fillRow(int y, float invalid, const SelectedMaps& maps) const;
   void selectRow(const JudgedMaps& judged, int y, bool fill, const SelectedMaps& maps, Row& row);
   bool canChange(int y, int x, const SelectionFeatures::Proposals& proposals, bool fill,
@@ -88,6 +90,7 @@ class MapSelector {
   cv::Mat median_padded_;
   cv::Mat filtered_;
   std::array<float, 256> published_{};  ///< confidence of each probability in 1/255
+  float sigma_scale_ = 1.0F;
   PerThread<Row> rows_;
 };
 

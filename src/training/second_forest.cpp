@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "evaluation/sigma_coverage.h"
 #include "training/boosting.h"
 #include "training/held_out_measures.h"
 #include "training/judged_scene.h"
@@ -19,8 +20,6 @@
 namespace cbmv {
 namespace {
 
-/// Of the absolute errors of a normal distribution, within one standard deviation.
-constexpr double kOneSigmaShare = 0.6827;
 constexpr std::size_t kFewestErrors = 200;  ///< of a bin that has a standard deviation of its own
 constexpr double kLowestSigmaPx = 0.01;
 /// Sparse truth (laser scans: a fifth of the pixels) has few pixels at the depth edges where

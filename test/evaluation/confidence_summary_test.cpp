@@ -56,6 +56,22 @@ TEST(ConfidenceSummary, HasTheWeightsOfTheScenes) {
   EXPECT_NEAR(summary->at_density_each_scene->bad_1, 70.0 / 3.0, 1e-9);
 }
 
+TEST(ConfidenceSummary, SigmaScaleHasTheWeightsOfTheScenes) {
+  std::vector<SceneScore> scenes = twoScenes();
+  EXPECT_FALSE(summarizeConfidence(scenes, &SceneScore::all_sums, true, std::nullopt)->sigma_scale);
+  scenes[0].all_sums.sigma.pixels = 10.0;
+  scenes[0].all_sums.sigma.addInliers(10.0, 1.0);
+  scenes[1].all_sums.sigma.pixels = 1000.0;
+  scenes[1].all_sums.sigma.addInliers(1000.0, 2.0);
+  EXPECT_NEAR(*summarizeConfidence(scenes, &SceneScore::all_sums, true, std::nullopt)->sigma_scale,
+              2.0, 1.0 / 16);
+  EXPECT_NEAR(*summarizeConfidence(scenes, &SceneScore::all_sums, false, std::nullopt)->sigma_scale,
+              2.0, 1.0 / 16);
+  scenes[1].weight = 0.4;
+  EXPECT_NEAR(*summarizeConfidence(scenes, &SceneScore::all_sums, true, std::nullopt)->sigma_scale,
+              1.0, 1.0 / 16);
+}
+
 TEST(ConfidenceSummary, IsNotThereUnlessAllScenesHaveOne) {
   EXPECT_FALSE(summarizeConfidence({}, &SceneScore::all_sums, false, 50.0));
   EXPECT_FALSE(summarizeConfidence(twoScenes(), &SceneScore::noc_sums, false, 50.0));

@@ -76,7 +76,7 @@ TEST(JsonReport, JsonHasTheAgreedEntries) {
       std::regex_replace(pixels, std::regex("\"(ece|sigma_[a-z0-9]+)\":[0-9.]+"), "\"$1\":null") +
       "}";
   EXPECT_EQ(text,
-            "{\"version\":2,\"forest\":\"my.forest\",\"preset\":null,\"fingerprint\":\"01234567\","
+            "{\"version\":3,\"forest\":\"my.forest\",\"preset\":null,\"fingerprint\":\"01234567\","
             "\"correct_px\":1.0,\"error_scale\":1.0,\"scenes\":[{\"scene\":\"Teddy\"," +
                 pixels +
                 ",\"density\":99.5,\"seconds\":1.25,\"ns_per_hypothesis\":40.0}],\"mean\":" + mean +
@@ -128,10 +128,10 @@ TEST(JsonReport, IsWrittenThroughLinksAndIntoPipes) {
 
 TEST(JsonReport, NamesTheFileThatIsWrong) {
   const TemporaryFolder folder;
-  const char* const half_a_scene = R"({"version": 2, "forest": null, "preset": null,
+  const char* const half_a_scene = R"({"version": 3, "forest": null, "preset": null,
                                        "fingerprint": null, "correct_px": 1, "error_scale": 1,
                                        "scenes": [{"scene": "A"}]})";
-  for (const char* content : {"", "{", "[]", R"({"version": 2, "forest": 3})", half_a_scene}) {
+  for (const char* content : {"", "{", "[]", R"({"version": 3, "forest": 3})", half_a_scene}) {
     const std::string path = folder.write("r.json", content);
     EXPECT_TRUE(mentions(errorText([&] { readJsonReport(path); }), {path, "not a report"}));
   }
@@ -154,7 +154,9 @@ TEST(JsonReport, SumsComeBackSoThatMeansAreTheSame) {
     score.noc_sums.confidence = halfWrongProfile(4.0);
     score.all_sums.confidence = halfWrongProfile(40.0);
     score.all_sums.confidence.squared_error = 7.125;
-    score.all_sums.sigma = {40.0, 30.0, 20.0, 25.0, 33.5};
+    score.all_sums.sigma.pixels = 40.0;
+    score.all_sums.sigma.addInliers(20.0, 0.5);
+    score.all_sums.sigma.addInliers(10.0, 2.5);
   }
   writeJsonReport(report, folder.file("r.json"));
   const EvaluationReport read = readJsonReport(folder.file("r.json"));
@@ -168,9 +170,9 @@ TEST(JsonReport, SumsComeBackSoThatMeansAreTheSame) {
   EXPECT_EQ(sums.confidence.bins[90].bad_1, 20.0);
   EXPECT_EQ(sums.confidence.bins[90].bad_3, 0.0);
   EXPECT_EQ(sums.sigma.inliers, 30.0);
-  EXPECT_EQ(sums.sigma.within_1, 20.0);
-  EXPECT_EQ(sums.sigma.within_2, 25.0);
-  EXPECT_EQ(sums.sigma.squared_sum, 33.5);
+  EXPECT_EQ(sums.sigma.pixels, 40.0);
+  EXPECT_EQ(sums.sigma.squared_sum, 67.5);
+  EXPECT_EQ(sums.sigma.bins, report.scenes[1].all_sums.sigma.bins);
   EXPECT_EQ(read.scenes[1].noc_sums.sigma.inliers, 0.0);
   expectSame(meanScore(read.scenes, false).all, meanScore(report.scenes, false).all);
   expectSame(meanScore(read.scenes, false).noc, meanScore(report.scenes, false).noc);
@@ -181,11 +183,15 @@ TEST(JsonReport, MeansTellReliabilityAndOperatingPoints) {
   EvaluationReport report = makeReport();
   for (SceneScore& score : report.scenes) {
     score.noc_sums.confidence = score.all_sums.confidence = halfWrongProfile(40.0);
+    score.all_sums.sigma.pixels = 40.0;
+    score.all_sums.sigma.addInliers(6000.0, 1.0);
+    score.all_sums.sigma.addInliers(4000.0, 4.0);
   }
   writeJsonReport(report, folder.file("r.json"));
-  EXPECT_TRUE(mentions(contentOf(folder.file("r.json")),
-                       {"\"noc_confidence\"", "\"all_confidence\"", "\"reliability\"",
-                        "\"operating_points\"", "\"min_confidence\": 0.3"}));
+  EXPECT_TRUE(
+      mentions(contentOf(folder.file("r.json")),
+               {"\"noc_confidence\"", "\"all_confidence\"", "\"reliability\"",
+                "\"operating_points\"", "\"sigma_scale\": 3.9", "\"min_confidence\": 0.3"}));
   EXPECT_FALSE(mentions(contentOf(folder.file("r.json")), {"at_density"}));
   report.density = 75.0;
   writeJsonReport(report, folder.file("r.json"));
@@ -199,7 +205,7 @@ TEST(JsonReport, OtherVersionsAndCutBinsAreErrors) {
       folder.write("r.json", R"({"forest": null, "preset": null, "fingerprint": "01234567",
                                  "scenes": [], "mean": null, "weighted_mean": null})");
   EXPECT_TRUE(mentions(errorText([&] { readJsonReport(old); }),
-                       {old, "version 1", "expected version 2", "without --resume"}));
+                       {old, "version 1", "expected version 3", "without --resume"}));
   EvaluationReport report = makeReport();
   report.scenes[0].noc_sums.confidence = halfWrongProfile(40.0);
   report.scenes[0].noc_sums.confidence.bins.resize(kConfidenceBins - 1);

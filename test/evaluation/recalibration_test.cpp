@@ -64,5 +64,19 @@ TEST(Recalibration, LeavesWhatCannotBeFitted) {
   }
 }
 
+TEST(Recalibration, SigmaScaleCoversTheShareOfNormalErrorsInTheRangeOfTheParameter) {
+  const auto fitted = [](double ratio) {
+    SigmaCoverage coverage;
+    coverage.addInliers(6900.0, ratio);
+    coverage.addInliers(3100.0, ratio + 3.0);
+    return fitSigmaScale(coverage).value();
+  };
+  EXPECT_NEAR(fitted(1.5), 1.5, 1.0 / SigmaCoverage::kBinsPerSigma);
+  EXPECT_NEAR(fitted(7.25), 7.25, 1.0 / SigmaCoverage::kBinsPerSigma);
+  EXPECT_EQ(fitted(0.0), 0.1);
+  EXPECT_EQ(fitted(12.0), 10.0);
+  EXPECT_FALSE(fitSigmaScale(SigmaCoverage{}));
+}
+
 }  // namespace
 }  // namespace cbmv

@@ -108,6 +108,9 @@ TEST(SceneScore, CorrectIsWhatTheDataSetAllows) {
             calibrationError(profileConfidence(maps.disparity, maps.confidence, scene.truth,
                                                scene.visible, kInfinity, 3.0F)));
   EXPECT_EQ(metric(score.noc, "bad_1"), metric(scoreScene(scene, maps).noc, "bad_1"));
+  // Inliers have errors of 0, 0.7, 1.5 and 2.5 px, and a sigma of 1, 0.5, 1 and 1 px.
+  EXPECT_NEAR(metric(score.noc, "sigma_1"), 25.0, 1e-12);
+  EXPECT_NEAR(metric(score.noc, "sigma_2"), 75.0, 1e-12);
 }
 
 /// Errors are scaled, so bad 2 equals the earlier bad 1. Confidence and sigma metrics do not
@@ -212,11 +215,14 @@ TEST(SceneScore, CalibrationAndSigmaAreOfThePixelsOfAllScenes) {
   sure.noc_sums.confidence.bins.resize(kConfidenceBins);
   sure.noc_sums.confidence.pixels = 10.0;
   sure.noc_sums.confidence.bins[100] = {10.0, 5.0, 10.0, 10.0, 10.0};  // none is correct
-  sure.noc_sums.sigma = {10.0, 5.0, 5.0, 5.0, 5.0};
+  sure.noc_sums.sigma.pixels = 10.0;
+  sure.noc_sums.sigma.addInliers(5.0, 1.0);
   SceneScore modest = sure;
   modest.noc_sums.confidence.pixels = 1000.0;
   modest.noc_sums.confidence.bins[100] = {1000.0, 500.0, 0.0, 0.0, 0.0};  // all are
-  modest.noc_sums.sigma = {1000.0, 500.0, 0.0, 500.0, 1000.0};
+  modest.noc_sums.sigma = {};
+  modest.noc_sums.sigma.pixels = 1000.0;
+  modest.noc_sums.sigma.addInliers(500.0, std::sqrt(2.0));
   modest.weight = 0.5;
   const SceneScore mean = meanScore({sure, modest}, false);
   EXPECT_NEAR(metric(mean.noc, "ece"), 0.0, 1e-12);

@@ -62,15 +62,34 @@ TEST(SigmaCoverage, NormalErrorsOfTheRightSigmaAreCovered) {
   EXPECT_NEAR(coverage.withinOne(), 68.3, 1.0);
   EXPECT_NEAR(coverage.withinTwo(), 95.4, 0.5);
   EXPECT_NEAR(coverage.rms(), 1.0, 0.02);
+  EXPECT_NEAR(coverage.ratioQuantile(kOneSigmaShare), 1.0, 0.03);
+  EXPECT_NEAR(coverage.ratioQuantile(0.5), 0.674, 0.03);
+}
+
+TEST(SigmaCoverage, BinsIncludeTheirUpperEnds) {
+  SigmaCoverage coverage;
+  for (const double ratio : {0.0, 1.0, 1.0 + 1e-9, 2.0, 2.0 + 1e-9, 1e9}) {
+    coverage.addInliers(1.0, ratio);
+  }
+  EXPECT_NEAR(coverage.withinOne(), 100.0 * 2 / 6, 1e-9);
+  EXPECT_NEAR(coverage.withinTwo(), 100.0 * 4 / 6, 1e-9);
+  EXPECT_NEAR(coverage.ratioQuantile(1.0), 16.0, 1e-9);  // the end of the last bin
+  EXPECT_NEAR(coverage.ratioQuantile(0.0), 0.0, 1e-9);
 }
 
 TEST(SigmaCoverage, ScenesAreAddedByTheirWeights) {
+  SigmaCoverage half_of_few;
+  half_of_few.pixels = 10.0;
+  half_of_few.addInliers(5.0, 0.5);
+  SigmaCoverage all_of_many;
+  all_of_many.pixels = 1000.0;
+  all_of_many.addInliers(1000.0, 3.0);
   SigmaCoverage sum;
-  addCoverage({10.0, 5.0, 5.0, 5.0, 1.0}, 1.0, sum);          // all within one sigma
-  addCoverage({1000.0, 1000.0, 0.0, 0.0, 9000.0}, 0.5, sum);  // none
+  addCoverage(half_of_few, 1.0, sum);
+  addCoverage(all_of_many, 0.5, sum);
   EXPECT_NEAR(sum.withinOne(), 50.0, 1e-9);
   EXPECT_NEAR(sum.withinTwo(), 50.0, 1e-9);
-  EXPECT_NEAR(sum.rms(), std::sqrt(0.1 + 4.5), 1e-9);
+  EXPECT_NEAR(sum.rms(), std::sqrt((0.25 + 9.0) / 2.0), 1e-9);
   addCoverage({}, 1.0, sum);  // of no known sigma
   EXPECT_NEAR(sum.withinOne(), 50.0, 1e-9);
 }
@@ -81,7 +100,7 @@ TEST(SigmaCoverage, WithoutInliersNothingIsKnown) {
   const SigmaCoverage coverage = coverSigma(map, map, map, mask, kInvalid, 1.0F);
   EXPECT_EQ(coverage.pixels, 4.0);
   EXPECT_TRUE(std::isnan(coverage.withinOne()) && std::isnan(coverage.withinTwo()) &&
-              std::isnan(coverage.rms()));
+              std::isnan(coverage.rms()) && std::isnan(coverage.ratioQuantile(0.5)));
 }
 
 TEST(SigmaCoverage, RejectsOtherSizesAndTypes) {

@@ -223,6 +223,7 @@ TEST(StereoMatcher, JudgesItsMaps) {
   for (const bool fill : {true, false}) {
     StereoOptions options = optionsFor({0, 20});
     options.refinement.fill_mismatches = fill;
+    options.refinement.sigma_scale = 1.5F;
     const StereoResult result =
         StereoMatcher(judgingForest(), options).match(scene.left, scene.right);
     StereoResult expected = StereoMatcher(randomForest(), options).match(scene.left, scene.right);
@@ -230,7 +231,7 @@ TEST(StereoMatcher, JudgesItsMaps) {
     MapSelector selector(judgingForest());
     selector.select({expected.disparity, expected.right_disparity, expected.labels,
                      expected.confidence, expected.margin, expected.range},
-                    {true, fill},
+                    {true, fill, 1.0F, 0.0F, 1.5F},
                     {expected.disparity, expected.confidence, expected.disparity_sigma});
     expectSame(result, expected);
     cv::patchNaNs(expected.disparity_sigma);

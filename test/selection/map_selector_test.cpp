@@ -251,11 +251,11 @@ TEST(MapSelector, KeepsThinObjectsOnWhichBothViewsAgree) {
   EXPECT_EQ(replacedPolePixels(kMatch, 5), 3 * 40);  // the proposals are nearer
 }
 
-TEST(MapSelector, RecalibratesTheConfidenceAlone) {
+TEST(MapSelector, RecalibratesConfidenceAndSigmaAlone) {
   MapSelector selector(makeSelecting());
   const RandomMaps maps = makeJudgedMaps({20, 60, {0, 30}}, Content::kPatches, 47);
   const Maps trained = select(selector, maps, SelectionOptions{true, false});
-  const Maps found = select(selector, maps, SelectionOptions{true, false, 1.5F, 2.0F});
+  const Maps found = select(selector, maps, SelectionOptions{true, false, 1.5F, 2.0F, 1.25F});
   expectMap<float>(
       found.confidence, maps.disparity.size(),
       [&](int y, int x) {
@@ -266,6 +266,8 @@ TEST(MapSelector, RecalibratesTheConfidenceAlone) {
       1e-5);
   EXPECT_EQ(cv::countNonZero(found.disparity != trained.disparity), 0);
   EXPECT_EQ(countNan(found.sigma), countNan(trained.sigma));
+  EXPECT_GT(cv::countNonZero(found.sigma > 0), 0);
+  EXPECT_EQ(cv::countNonZero((found.sigma > 0) & (found.sigma != trained.sigma * 1.25)), 0);
 }
 
 TEST(MapSelector, FillsOnlyWhenAsked) {
