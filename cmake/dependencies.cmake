@@ -61,13 +61,14 @@ endif()
 
 # Tests, if enabled in catkin and CTest. They run the tools and the training. GoogleTest is found by its
 # files, because the target names of CMake differ between versions, and catkin defines targets with the
-# same names.
+# same names. As a part of another project, the package has no tests.
 find_path(CBMV_GMOCK_INCLUDE_DIR gmock/gmock.h)
 foreach(library gtest gmock gtest_main)
   find_library(CBMV_${library}_LIBRARY ${library})
 endforeach()
 set(tests_wanted OFF)
-if((CATKIN_ENABLE_TESTING OR BUILD_TESTING) AND NOT CBMV_BUILD_FUZZERS)
+if((CATKIN_ENABLE_TESTING OR BUILD_TESTING) AND NOT CBMV_BUILD_FUZZERS
+   AND (CBMV_BUILD_ROS OR CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR))
   set(tests_wanted AUTO)
 endif()
 if(tests_wanted)

@@ -58,6 +58,10 @@ function(cbmv_add_fetched name target url sha256)
     set(CMAKE_POLICY_VERSION_MINIMUM 3.5)  # required by CMake 4
     add_subdirectory(${${name}_SOURCE_DIR} ${${name}_BINARY_DIR} EXCLUDE_FROM_ALL)
   endif()
+  if(NOT TARGET ${target})
+    message(FATAL_ERROR "${${name}_SOURCE_DIR} does not define the target ${target}, expected the unpacked "
+                        "release of ${name}. Check FETCHCONTENT_SOURCE_DIR_…, or remove it.")
+  endif()
   get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
   set_target_properties(${target} PROPERTIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${include_directories}")
 endfunction()

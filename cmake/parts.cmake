@@ -8,7 +8,16 @@ set(CBMV_BUILD_TOOLS AUTO CACHE STRING
     "Command-line programs: AUTO (where CLI11 is found), ON (CLI11 is fetched where it is missing) or OFF")
 set(CBMV_BUILD_TRAINING AUTO CACHE STRING
     "cbmv_eval, cbmv_train and cbmv_tune: AUTO (where XGBoost and NLopt are found), ON or OFF")
-set_property(CACHE CBMV_BUILD_TOOLS CBMV_BUILD_TRAINING PROPERTY STRINGS AUTO ON OFF)
+foreach(choice CBMV_BUILD_TOOLS CBMV_BUILD_TRAINING)
+  set_property(CACHE ${choice} PROPERTY STRINGS AUTO ON OFF)
+  if(NOT ${choice} MATCHES "^(AUTO|ON|OFF|TRUE|FALSE|YES|NO|[01])$")
+    message(FATAL_ERROR "${choice} is '${${choice}}', expected AUTO, ON or OFF.")
+  endif()
+endforeach()
+if(CBMV_MESSAGES_ONLY AND NOT CBMV_BUILD_ROS)
+  message(FATAL_ERROR "CBMV_MESSAGES_ONLY is ON, but CBMV_BUILD_ROS is OFF: nothing would be built. "
+                      "Expected one of them alone.")
+endif()
 
 set(CBMV_LEFT_OUT)
 

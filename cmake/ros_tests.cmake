@@ -47,7 +47,8 @@ set_target_properties(write_forest_fixture PROPERTIES
                       RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 add_custom_command(OUTPUT ${CBMV_TEST_FOREST}
                    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/test
-                   COMMAND write_forest_fixture ${CBMV_TEST_FOREST})
+                   COMMAND write_forest_fixture ${CBMV_TEST_FOREST}
+                   VERBATIM)
 add_custom_target(forest_fixture DEPENDS ${CBMV_TEST_FOREST})
 
 # Programs that rostest runs. It searches them in catkin's program folder.

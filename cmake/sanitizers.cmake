@@ -2,6 +2,9 @@
 # end a program at the first error. docs/reliability.md describes how to run them.
 set(CBMV_SANITIZE "" CACHE STRING "Sanitizers: empty, address,undefined or thread")
 set_property(CACHE CBMV_SANITIZE PROPERTY STRINGS "" "address,undefined" thread)
+if(NOT CBMV_SANITIZE MATCHES "^(address,undefined|thread)?$")
+  message(FATAL_ERROR "CBMV_SANITIZE is '${CBMV_SANITIZE}', expected address,undefined or thread.")
+endif()
 set(sanitizers ${CBMV_SANITIZE})
 if(CBMV_BUILD_FUZZERS)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")

@@ -22,7 +22,8 @@ if(CBMV_WITH_TRAINING)
   add_custom_command(TARGET cbmv_eval POST_BUILD
                      COMMAND ${CMAKE_COMMAND} -E create_symlink
                              ${PROJECT_SOURCE_DIR}/scripts/evaluation_report
-                             $<TARGET_FILE_DIR:cbmv_eval>/cbmv_evaluation_report)
+                             $<TARGET_FILE_DIR:cbmv_eval>/cbmv_evaluation_report
+                     VERBATIM)
 endif()
 if(CBMV_BUILD_ROS)
   include(cmake/ros_tools.cmake)

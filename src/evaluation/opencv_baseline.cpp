@@ -42,7 +42,7 @@ SceneMaps matchScene(const StereoScene& scene) {
   cv::Mat sixteenths;
   makeStereoSgbm(scene.calibration.disparities)->compute(scene.left, scene.right, sixteenths);
   SceneMaps maps;
-  sixteenths.convertTo(maps.disparity, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE);
+  sixteenths.convertTo(maps.disparity, CV_32F, 1.0 / int{cv::StereoMatcher::DISP_SCALE});
   maps.disparity.setTo(kUnknown, sixteenths < 0);
   fillHoles(maps.disparity);
   maps.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
