@@ -86,7 +86,9 @@ std::vector<Surface> surfaces(int width, int height, int seed) {
   for (int i = 0; i < kObjects; ++i) {
     const bool slanted = i % 3 == 2;
     const double size = rng.uniform(0.08, 0.18) * std::min(width, height);
-    const cv::Point2d center(rng.uniform(0.15, 0.85) * width, rng.uniform(0.15, 0.85) * height);
+    // Two statements: compilers evaluate arguments in different orders.
+    const double center_y = rng.uniform(0.15, 0.85) * height;
+    const cv::Point2d center(rng.uniform(0.15, 0.85) * width, center_y);
     const double slope_x = slanted ? rng.uniform(-1.5, 1.5) / size : 0.0;
     const double slope_y = slanted ? rng.uniform(-1.5, 1.5) / size : 0.0;
     all.push_back({i % 2 == 0 ? Surface::Shape::kRectangle : Surface::Shape::kDisc, center,

@@ -69,7 +69,7 @@ class SynchronizedInputs {
         options_(readSyncOptions(parameters)),
         callback_(std::move(callback)),
         monitor_(options_),
-        pairs_([this](const auto&... messages) { receive(messages...); }),
+        pairs_([this](const auto&... messages) { this->receive(messages...); }),
         pairing_(options_, [this](const auto& first, const auto& second) {
           pairs_.addPair(first, second, ros::SteadyTime::now());
         }) {

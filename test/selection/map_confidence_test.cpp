@@ -33,7 +33,7 @@ class Confidence : public testing::TestWithParam<Case> {};
 TEST_P(Confidence, IsTheForestsProbability) {
   const auto [shape, view, content] = GetParam();
   const RandomMaps maps = makeJudgedMaps(shape, content, 31);
-  onEverySimdTarget([&, content = content] {
+  onEverySimdTarget([&] {
     MapConfidence confidence(mapForest(), "some.forest");
     confidence.estimate(maps.judged());
     expectNaiveConfidence(maps, confidence);
