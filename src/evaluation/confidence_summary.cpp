@@ -27,12 +27,11 @@ OperatingPoint meanAtDensity(const std::vector<SceneScore>& scores, PixelSums Sc
 std::optional<ConfidenceSummary> summarizeConfidence(const std::vector<SceneScore>& scores,
                                                      PixelSums SceneScore::*sums, bool weighted,
                                                      const std::optional<double>& density) {
-  ConfidenceProfile pooled;
-  SigmaCoverage pooled_sigma;
+  PixelSums all;
   for (const SceneScore& score : scores) {
-    addProfile((score.*sums).confidence, weightOf(score, weighted), pooled);
-    addCoverage((score.*sums).sigma, weightOf(score, weighted), pooled_sigma);
+    addSums(score.*sums, weightOf(score, weighted), all);
   }
+  const ConfidenceProfile& pooled = all.confidence;
   if (pooled.bins.empty()) {
     return std::nullopt;
   }
@@ -41,7 +40,7 @@ std::optional<ConfidenceSummary> summarizeConfidence(const std::vector<SceneScor
   summary.calibration_error = calibrationError(pooled);
   summary.recalibration = fitRecalibration(pooled);
   summary.recalibrated_error = calibrationError(recalibrate(pooled, summary.recalibration));
-  summary.sigma_scale = fitSigmaScale(pooled_sigma);
+  summary.sigma_scale = fitSigmaScale(all.sigma);
   std::transform(kMinConfidences.begin(), kMinConfidences.end(), summary.operating_points.begin(),
                  [&](double threshold) { return operatingPoint(pooled, threshold); });
   if (density) {

@@ -87,11 +87,6 @@ MetricValues metricValues(const PixelScore& score) {
   return values;
 }
 
-void addSums(const PixelSums& scene, double weight, PixelSums& sum) {
-  addProfile(scene.confidence, weight, sum.confidence);
-  addCoverage(scene.sigma, weight, sum.sigma);
-}
-
 /// Samples a curve over 1 … 100 percent at kKeptPercents.
 std::vector<double> thinned(const std::vector<double>& curve) {
   std::vector<double> points;
@@ -117,6 +112,11 @@ void add(const SceneScore& score, double share, SceneScore& sum) {
 }
 
 }  // namespace
+
+void addSums(const PixelSums& scene, double weight, PixelSums& sum) {
+  addProfile(scene.confidence, weight, sum.confidence);
+  addCoverage(scene.sigma, weight, sum.sigma);
+}
 
 bool operator==(const ScoreOptions& a, const ScoreOptions& b) {
   return a.correct_px == b.correct_px && a.scale == b.scale;

@@ -75,6 +75,9 @@ struct PixelSums {
   SigmaCoverage sigma;
 };
 
+/// Adds the sums of a scene, with the given weight independent of its number of pixels.
+void addSums(const PixelSums& scene, double weight, PixelSums& sum);
+
 struct SceneScore {
   std::string scene;
   double weight = 1.0;  ///< in the weighted mean
