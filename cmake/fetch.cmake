@@ -31,12 +31,12 @@ function(cbmv_download name url sha256 archive)
   list(GET status 1 reason)
   if(status MATCHES "^0;")
     file(SHA256 ${archive}.part found)
-    set(reason "the SHA256 of what was downloaded is ${found}")
+    set(reason "the file has the SHA256 ${found}")
   endif()
   if(NOT found STREQUAL sha256)
     message(FATAL_ERROR
-      "${name} cannot be downloaded: ${reason}. Expected ${url} with SHA256 ${sha256}. Without network, "
-      "unpack this archive yourself and give -DFETCHCONTENT_SOURCE_DIR_${upper_name}=FOLDER.")
+      "The download of ${name} failed: ${reason}. Expected ${url} with SHA256 ${sha256}. Without network, "
+      "unpack this archive yourself, and give its folder as -DFETCHCONTENT_SOURCE_DIR_${upper_name}=FOLDER.")
   endif()
   file(RENAME ${archive}.part ${archive})
 endfunction()
@@ -59,8 +59,9 @@ function(cbmv_add_fetched name target url sha256)
     add_subdirectory(${${name}_SOURCE_DIR} ${${name}_BINARY_DIR} EXCLUDE_FROM_ALL)
   endif()
   if(NOT TARGET ${target})
-    message(FATAL_ERROR "${${name}_SOURCE_DIR} does not define the target ${target}, expected the unpacked "
-                        "release of ${name}. Check FETCHCONTENT_SOURCE_DIR_…, or remove it.")
+    string(TOUPPER ${name} upper_name)
+    message(FATAL_ERROR "The folder ${${name}_SOURCE_DIR} does not define the target ${target}, expected the "
+                        "unpacked release of ${name}. Correct FETCHCONTENT_SOURCE_DIR_${upper_name}.")
   endif()
   get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
   set_target_properties(${target} PROPERTIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${include_directories}")

@@ -15,8 +15,8 @@ foreach(choice CBMV_BUILD_TOOLS CBMV_BUILD_TRAINING)
   endif()
 endforeach()
 if(CBMV_MESSAGES_ONLY AND NOT CBMV_BUILD_ROS)
-  message(FATAL_ERROR "CBMV_MESSAGES_ONLY is ON, but CBMV_BUILD_ROS is OFF: nothing would be built. "
-                      "Expected one of them alone.")
+  message(FATAL_ERROR "CBMV_MESSAGES_ONLY is ON and CBMV_BUILD_ROS is OFF, so nothing would be built, expected "
+                      "CBMV_BUILD_ROS=ON. For the library without ROS, give -DCBMV_MESSAGES_ONLY=OFF.")
 endif()
 
 set(CBMV_LEFT_OUT)

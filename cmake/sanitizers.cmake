@@ -3,7 +3,7 @@
 set(CBMV_SANITIZE "" CACHE STRING "Sanitizers: empty, address,undefined or thread")
 set_property(CACHE CBMV_SANITIZE PROPERTY STRINGS "" "address,undefined" thread)
 if(NOT CBMV_SANITIZE MATCHES "^(address,undefined|thread)?$")
-  message(FATAL_ERROR "CBMV_SANITIZE is '${CBMV_SANITIZE}', expected address,undefined or thread.")
+  message(FATAL_ERROR "CBMV_SANITIZE is '${CBMV_SANITIZE}', expected \"address,undefined\", \"thread\" or nothing.")
 endif()
 set(sanitizers ${CBMV_SANITIZE})
 if(CBMV_BUILD_FUZZERS)
